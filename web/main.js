@@ -16,7 +16,7 @@ import { quantity } from "./page/si.js";
 import { aboutBuffer } from "./page/status.js";
 import { onThemeChange, readTheme } from "./page/theme.js";
 import { Toolbar } from "./page/toolbar.js";
-import { tripInWords } from "./page/trips.js";
+import { safetyStopInWords } from "./page/safety_stops.js";
 import { View } from "./page/view.js";
 import { Device } from "./device.js";
 import { read, written, writtenWorld } from "./fragment.js";
@@ -250,7 +250,7 @@ model.addEventListener("state", () => {
   markPreset(settingsOf(state));
   [0, 1].forEach((lane) => {
     const rearm = { label: "Rearm", act: () => send(say.rearm(lane)) };
-    banners.show(`trip-${lane + 1}`, tripInWords(state.lanes[lane], lane + 1), rearm);
+    banners.show(`safety-stop-${lane + 1}`, safetyStopInWords(state.lanes[lane], lane + 1), rearm);
   });
 });
 

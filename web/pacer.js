@@ -2,7 +2,7 @@
 
 // Largest lag behind real time. A loop that is further behind continues from its own time, and the difference counts as
 // lost.
-const MOST_BEHIND_S = 0.25;
+const MAX_BEHIND_S = 0.25;
 // Time span of a report.
 const WINDOW_MS = 2000;
 
@@ -43,8 +43,8 @@ export class Pacer {
   until(nowMs) {
     const wanted = (nowMs - this.originMs) / 1000;
     const behind = wanted - this.timeS;
-    if (behind > MOST_BEHIND_S) {
-      const lost = behind - MOST_BEHIND_S;
+    if (behind > MAX_BEHIND_S) {
+      const lost = behind - MAX_BEHIND_S;
       this.originMs += 1000 * lost;
       this.lostS += lost;
       return wanted - lost;

@@ -13,8 +13,8 @@ let engine = null;
 /** "contact" or "world": the open scene. */
 let kind = null;
 let timer = null;
-let toldPaceMs = 0;
-let toldStateMs = 0;
+let paceSentMs = 0;
+let stateSentMs = 0;
 const pacer = new Pacer();
 
 function say(message, transfer = []) {
@@ -122,8 +122,8 @@ function turn() {
     }
     const { notes } = engine;
     notes.forEach(tell);
-    if (notes.length > 0 || begun - toldStateMs >= STATE_MS) {
-      toldStateMs = begun;
+    if (notes.length > 0 || begun - stateSentMs >= STATE_MS) {
+      stateSentMs = begun;
       tell(engine.state);
     }
   } else if (kind === "world") {
@@ -134,8 +134,8 @@ function turn() {
   }
   const ended = performance.now();
   pacer.worked(ended - begun);
-  if (ended - toldPaceMs >= PACE_MS) {
-    toldPaceMs = ended;
+  if (ended - paceSentMs >= PACE_MS) {
+    paceSentMs = ended;
     say({ kind: "pace", ...pacer.report(ended) });
   }
 }

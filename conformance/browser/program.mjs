@@ -70,8 +70,8 @@ export async function startLive(...args) {
      */
     async endsWell(signal) {
       const code = await this.end(signal);
-      const isTripped = code === 5 && /\b[1-9]\d* deadlines missed/.test(said) && /\nerror: .*safety had the motors off/.test(said);
-      assert.ok(code === 0 || isTripped, `it ended with ${code}: ${said}`);
+      const isStopped = code === 5 && /\b[1-9]\d* deadlines missed/.test(said) && /\nerror: .*safety had the motors off/.test(said);
+      assert.ok(code === 0 || isStopped, `it ended with ${code}: ${said}`);
     },
     forget() {
       rmSync(folder, { recursive: true, force: true });

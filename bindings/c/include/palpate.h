@@ -558,7 +558,7 @@ typedef struct palpate_scene palpate_scene;
  The host repeats: take the progress; step over the time since the progress before under palpate_mean_wrench() on each body;
  look for contacts near the avatar; publish its bodies and contacts as of the progress's tick.
  */
-typedef struct palpate_slow_host palpate_slow_host;
+typedef struct palpate_low_rate_simulator palpate_low_rate_simulator;
 
 /*
  A world that is rendered. One thread at a time may use it.
@@ -784,7 +784,7 @@ typedef struct palpate_output {
    How far coupled rendering has shifted the object over the last interval [m]; a display takes it
    off again.
    */
-  double placement_shift;
+  double object_shift;
   /*
    What the coming interval is predicted to hold.
    */
@@ -804,7 +804,7 @@ typedef struct palpate_output {
 } palpate_output;
 
 /*
- Books of the object's energy, positive into the object; they balance at every sample: stored less
+ EnergyLedger of the object's energy, positive into the object; they balance at every sample: stored less
  stored at the start = port_work + virtual_force_work + outside_work + held_leak.
  palpate_ledger_empty() makes one to be filled, palpate_ledger_f32_empty() one in float.
  */
@@ -922,7 +922,7 @@ typedef struct palpate_output_f32 {
    How far coupled rendering has shifted the object over the last interval [m]; a display takes it
    off again.
    */
-  float placement_shift;
+  float object_shift;
   /*
    What the coming interval is predicted to hold.
    */
@@ -942,7 +942,7 @@ typedef struct palpate_output_f32 {
 } palpate_output_f32;
 
 /*
- Books of the object's energy, positive into the object; they balance at every sample: stored less
+ EnergyLedger of the object's energy, positive into the object; they balance at every sample: stored less
  stored at the start = port_work + virtual_force_work + outside_work + held_leak.
  palpate_ledger_empty() makes one to be filled, palpate_ledger_f32_empty() one in float.
  */
@@ -1785,7 +1785,7 @@ typedef struct palpate_device_state {
   /*
    What the world meets in its place: draw the tool here.
    */
-  struct palpate_pose avatar;
+  struct palpate_pose proxy;
   /*
    Velocity of the device [m/s].
    */
@@ -1793,7 +1793,7 @@ typedef struct palpate_device_state {
   /*
    Velocity of its avatar [m/s].
    */
-  double avatar_velocity[3];
+  double proxy_velocity[3];
 } palpate_device_state;
 
 /*
@@ -2086,14 +2086,14 @@ const char *palpate_last_error(void);
 /*
  Makes both ends of a local model, and puts them into `*world` and `*host`; NULL on an error. The loop's end belongs to the
  thread that samples the device, the host's end to the thread of the host; neither ever waits for the other one. Each is to be
- freed, in any order, by palpate_local_world_free and palpate_slow_host_free.
+ freed, in any order, by palpate_local_world_free and palpate_low_rate_simulator_free.
 
  # Safety
  Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
  */
 palpate_status palpate_local_world_new(const struct palpate_local_params *params,
                                        struct palpate_local_world **world,
-                                       struct palpate_slow_host **host);
+                                       struct palpate_low_rate_simulator **host);
 
 /*
  Frees the loop's end of a local model. NULL is allowed.
@@ -2135,7 +2135,7 @@ palpate_status palpate_local_world_report_sent(struct palpate_local_world *world
  # Safety
  `host` is NULL or such an end, and is not used afterwards.
  */
-void palpate_slow_host_free(struct palpate_slow_host *host);
+void palpate_low_rate_simulator_free(struct palpate_low_rate_simulator *host);
 
 /*
  Puts how far the loop has come, as of its last tick, into `*progress`, and what the tool has given to each body into `bodies`,
@@ -2144,7 +2144,7 @@ void palpate_slow_host_free(struct palpate_slow_host *host);
  # Safety
  Each pointer is NULL or to what its type says, `bodies` to `body_count` of them; structs have the sizes that they begin with.
  */
-palpate_status palpate_slow_host_progress(struct palpate_slow_host *host,
+palpate_status palpate_low_rate_simulator_progress(struct palpate_low_rate_simulator *host,
                                           struct palpate_progress *progress,
                                           struct palpate_body_progress *bodies,
                                           size_t body_count);
@@ -2158,7 +2158,7 @@ palpate_status palpate_slow_host_progress(struct palpate_slow_host *host,
  # Safety
  Each pointer is NULL or to what its type says, `bodies` and `contacts` to as many as are said.
  */
-palpate_status palpate_slow_host_publish(struct palpate_slow_host *host,
+palpate_status palpate_low_rate_simulator_publish(struct palpate_low_rate_simulator *host,
                                          uint64_t tick,
                                          const struct palpate_host_body *bodies,
                                          size_t body_count,
@@ -2825,7 +2825,7 @@ static inline palpate_ledger_f32 palpate_ledger_f32_empty(void) {
   return ledger;
 }
 
-/* Books to be filled by palpate_contact_ledger. */
+/* EnergyLedger to be filled by palpate_contact_ledger. */
 static inline palpate_ledger palpate_ledger_empty(void) {
   palpate_ledger ledger = {
       sizeof(palpate_ledger), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
@@ -2954,7 +2954,7 @@ static inline palpate_local_output palpate_local_output_empty(void) {
   return output;
 }
 
-/* A progress to be filled by palpate_slow_host_progress. */
+/* A progress to be filled by palpate_low_rate_simulator_progress. */
 static inline palpate_progress palpate_progress_empty(void) {
   palpate_progress progress = {sizeof(palpate_progress), 0, 0.0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0, 0, 0,
                                PALPATE_MODEL_REFUSAL_NONE, 0};
@@ -3013,7 +3013,7 @@ static inline palpate_host_contact palpate_host_contact_at_gap(const double cent
   return contact;
 }
 
-/* Books to be filled by palpate_world_ledger_of. */
+/* EnergyLedger to be filled by palpate_world_ledger_of. */
 static inline palpate_world_ledger palpate_world_ledger_empty(void) {
   palpate_world_ledger ledger = {sizeof(palpate_world_ledger), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
   return ledger;

@@ -16,7 +16,7 @@
 
 #include "palpate.h"
 #include "palpate_error.hpp"
-#include "palpate_slow_host.hpp"
+#include "palpate_low_rate_simulator.hpp"
 #include "palpate_span.hpp"
 
 namespace palpate {

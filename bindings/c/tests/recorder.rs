@@ -11,18 +11,18 @@ use palpate_record::recording::{Flags, Recording, Row};
 
 /// A wall of 1 kN/m.
 fn wall() -> *mut Contact<f64> {
-    let mut in_loop = MaybeUninit::<LoopParams>::uninit();
+    let mut loop_params = MaybeUninit::<LoopParams>::uninit();
     let mut params = MaybeUninit::<ContactParams>::uninit();
     let mut contact = ptr::null_mut();
     // SAFETY: the stated number of bytes can be written, and all of them are written before they are read.
     unsafe {
-        palpate_loop_params_init(in_loop.as_mut_ptr(), size_of::<LoopParams>());
+        palpate_loop_params_init(loop_params.as_mut_ptr(), size_of::<LoopParams>());
         palpate_contact_params_init(params.as_mut_ptr(), size_of::<ContactParams>());
-        let (mut in_loop, mut params) = (in_loop.assume_init(), params.assume_init());
-        in_loop.period = 0.001;
+        let (mut loop_params, mut params) = (loop_params.assume_init(), params.assume_init());
+        loop_params.period = 0.001;
         params.method = c"basic".as_ptr();
         params.stiffness = 1000.0;
-        let status = palpate_contact_new(&params, &in_loop, &mut contact);
+        let status = palpate_contact_new(&params, &loop_params, &mut contact);
         assert_eq!(status, Status::Ok);
     }
     contact
@@ -90,7 +90,7 @@ fn a_contact_is_recorded_as_it_was() {
     let (recording, rows) = rows(&path);
     assert!(recording.is_complete());
     assert_eq!((recording.ticks_made(), recording.lost()), (Some(5), 0));
-    assert!(recording.receipt.texts["contact"].contains("a wall of 1000 N/m"));
+    assert!(recording.metadata.texts["contact"].contains("a wall of 1000 N/m"));
     assert_eq!(rows.len(), 5);
     let times = [0.0, 0.001, 0.002, 0.005, 0.006];
     for (number, (row, (force, sent, penetration))) in (0..).zip(rows.iter().zip(&forces)) {
@@ -126,7 +126,7 @@ fn each_device_of_a_world_has_a_recording_of_its_own() {
     ];
     let mut world = ptr::null_mut();
     let mut recorders = [ptr::null_mut(); 2];
-    let mut told = Vec::new();
+    let mut model = Vec::new();
     // SAFETY: world and recorders live until they are freed; each struct states its size, and there is one pose and
     // wrench per device.
     unsafe {
@@ -165,7 +165,7 @@ fn each_device_of_a_world_has_a_recording_of_its_own() {
                 let status = palpate_recorder_world_tick(*recorder, world, &sample, &output, &sent);
                 assert_eq!(status, Status::Ok);
             }
-            told.push((poses, wrenches));
+            model.push((poses, wrenches));
         }
         for recorder in recorders {
             assert_eq!(
@@ -180,8 +180,8 @@ fn each_device_of_a_world_has_a_recording_of_its_own() {
     for (device, (recording, rows)) in rows.iter().enumerate() {
         let mut ticks: Vec<_> = rows.iter().map(|row| row.tick).collect();
         ticks.dedup_by_key(|tick| tick.sequence);
-        assert_eq!(ticks.len(), told.len());
-        for (tick, (poses, wrenches)) in ticks.iter().zip(&told) {
+        assert_eq!(ticks.len(), model.len());
+        for (tick, (poses, wrenches)) in ticks.iter().zip(&model) {
             assert_eq!(tick.device_axes, poses[device].position);
             assert_eq!(tick.commanded_force, wrenches[device].force);
             let half = wrenches[device].force.map(|x| x / 2.0);
@@ -194,7 +194,7 @@ fn each_device_of_a_world_has_a_recording_of_its_own() {
         assert_eq!((last.contacts, last.bodies), (2 + 4, 1 + 2));
         let names = ["left", "right"];
         let which = format!("name = {:?}\nplace = {device}\nof = 2\n", names[device]);
-        assert_eq!(recording.receipt.texts["device of the world"], which);
+        assert_eq!(recording.metadata.texts["device of the world"], which);
     }
 }
 
@@ -242,5 +242,5 @@ fn ticks_that_find_no_room_are_counted_and_missing_by_their_number() {
     assert_eq!(recorded.ticks, made - 1);
     assert_eq!((recording.ticks_made(), recording.lost()), (Some(made), 1));
     assert!(!recording.is_complete());
-    assert_eq!(recording.receipt.texts["device"], "name = \"a knob\"\n");
+    assert_eq!(recording.metadata.texts["device"], "name = \"a knob\"\n");
 }

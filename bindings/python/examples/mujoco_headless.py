@@ -49,12 +49,12 @@ def main(seconds: float = 1.5) -> dict[str, float]:
         force = contact.step(device.position)
         given -= period * force[1]
         device.hold(force)
-    books, _ = contact.books
+    ledger, _ = contact.ledger
     return {
         "angle of the door [rad]": float(data.joint("hinge").qpos[0]),
         "way of the box along y [m]": float(data.body("box").xpos[1] - 0.1),
         "impulse given by the device along y [N s]": given,
-        "energy beyond the contacts' work [J]": sum(book.leak for book in books),
+        "energy beyond the contacts' work [J]": sum(entry.leak for entry in ledger),
         "largest force now [N]": float(np.abs(force).max()),
     }
 

@@ -5,7 +5,7 @@ use std::time::SystemTime;
 
 use palpate_record::recording::{Recording, RecordingError};
 use palpate_study::card::{
-    CalibrationRun, Card, CardError, MOST_RECORDINGS, Sources, file_name, utc,
+    CalibrationRun, Card, CardError, MAX_RECORDINGS, Sources, file_name, utc,
 };
 use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;
@@ -48,9 +48,9 @@ pub fn report(
             "a report needs a source: a recording, or device_file",
         ));
     }
-    if sources.recordings.len() > MOST_RECORDINGS {
+    if sources.recordings.len() > MAX_RECORDINGS {
         return Err(refused(format!(
-            "{} recordings are given, but a page has room for {MOST_RECORDINGS}",
+            "{} recordings are given, but a page has room for {MAX_RECORDINGS}",
             sources.recordings.len()
         )));
     }

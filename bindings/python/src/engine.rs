@@ -76,7 +76,7 @@ struct Answer {
 }
 
 /// Forces, limits, effort and fault.
-type Told<'py> = (
+type EngineResult<'py> = (
     Bound<'py, PyArray2<f64>>,
     Vec<&'static str>,
     (u32, u32, u32, bool),
@@ -85,7 +85,7 @@ type Told<'py> = (
 /// Indices of tool and body, mode, point, normal, penetration and force.
 type ContactNow = (usize, usize, &'static str, Vector, Vector, f64, Vector);
 /// Entries of the energy ledger: contacts and devices.
-type BooksNow = (Vec<[f64; 8]>, Vec<[f64; 2]>);
+type LedgerNow = (Vec<[f64; 8]>, Vec<[f64; 2]>);
 
 /// Returns an error with all faults, one per line.
 pub fn wrong(faults: &[WorldError]) -> PyErr {
@@ -180,23 +180,23 @@ impl EngineContact {
             Stepping::MeanVelocity
         };
         let force_limit = (given.force_limit != f64::INFINITY).then_some(given.force_limit);
-        let in_loop = WorldLoop::new(given.period).with_actuation(Actuation {
+        let loop_params = WorldLoop::new(given.period).with_actuation(Actuation {
             delay: given.delay,
             lag: given.lag,
             gain: given.gain,
             ..Actuation::default()
         });
-        let in_loop = match force_limit {
-            Some(limit) => in_loop.with_force_limits(vec![limit; tools.len()]),
-            None => in_loop,
+        let loop_params = match force_limit {
+            Some(limit) => loop_params.with_force_limits(vec![limit; tools.len()]),
+            None => loop_params,
         };
         let params =
             CoupledParams::new(given.device_mass).with_encoder_quantum(given.encoder_quantum);
-        let renderer = EngineRenderer::new(&tools, &bodies, stepping, in_loop, params)
+        let renderer = EngineRenderer::new(&tools, &bodies, stepping, loop_params, params)
             .map_err(|faults| wrong(&faults))?;
         let limits = safety_params(force_limit, None, given.soft_start)?;
         let safety = WorldSafety::new(tools.len(), limits, given.period).map_err(refused)?;
-        let safety = safety.rendering(&renderer.in_loop().actuation);
+        let safety = safety.rendering(&renderer.loop_params().actuation);
         Ok(Self {
             state: renderer.start(),
             renderer,
@@ -315,7 +315,7 @@ impl EngineContact {
     }
 
     /// Returns the result of the last sample, or None before the first.
-    fn told<'py>(&self, py: Python<'py>) -> PyResult<Option<Told<'py>>> {
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Option<EngineResult<'py>>> {
         let Some(answer) = &self.last else {
             return Ok(None);
         };
@@ -328,8 +328,8 @@ impl EngineContact {
     }
 
     /// Returns the proxy positions at the end of the period, one row each.
-    fn avatars<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, &self.state.avatars())
+    fn proxies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, &self.state.proxies())
     }
 
     /// Returns the state of each tool: seven vectors and, if known, its mass.
@@ -358,18 +358,18 @@ impl EngineContact {
     }
 
     /// Returns the energy ledger.
-    fn books_now(&self) -> BooksNow {
-        let books = self.state.books();
+    fn ledger_now(&self) -> LedgerNow {
+        let ledger = self.state.ledger();
         (
-            books
+            ledger
                 .contacts
                 .iter()
-                .map(crate::world_state::contact_book)
+                .map(crate::world_state::contact_ledger)
                 .collect(),
-            books
+            ledger
                 .devices
                 .iter()
-                .map(|book| [book.port_work, book.held])
+                .map(|entry| [entry.port_work, entry.held])
                 .collect(),
         )
     }

@@ -58,7 +58,7 @@ mod _palpate {
     #[pymodule_export]
     use super::real_time::guard;
     #[pymodule_export]
-    use super::real_time::{Hand, HandInWorld, RealTimeLoop, SlowHost};
+    use super::real_time::{Hand, HandInWorld, LowRateSimulator, RealTimeLoop};
     #[pymodule_export]
     use super::recording::{read_recording, recorded_columns};
     #[pymodule_export]
@@ -78,7 +78,7 @@ mod _palpate {
     #[pymodule_export]
     use super::world::{PyWorld, is_world};
     #[pymodule_export]
-    use super::world_state::{world_bodies, world_books, world_contacts, world_tools};
+    use super::world_state::{world_bodies, world_contacts, world_ledger, world_tools};
     #[pymodule_export]
     use super::worlds::simulate_world;
 

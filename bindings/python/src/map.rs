@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use palpate::MethodName;
 use palpate_record::map::{Format, Map, Row, merge};
 use palpate_study::map::report::{MapReport, Speed};
-use palpate_study::map::{Forces, MapParams, compute, receipt};
+use palpate_study::map::{Forces, MapParams, compute, metadata};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -30,8 +30,8 @@ pub struct MapArguments {
     cells: usize,
     viscous_friction: Option<f64>,
     encoder_quantum: f64,
-    told_mass: f64,
-    told_period: f64,
+    model_mass: f64,
+    model_period: f64,
     delay: f64,
     lag: f64,
     delay_deviation: f64,
@@ -49,7 +49,7 @@ fn params(method: &Bound<'_, PyAny>, arguments: &MapArguments) -> PyResult<MapPa
     }
     let quantum = arguments.encoder_quantum;
     device.encoder_quantum = within("encoder_quantum", quantum, NOT_NEGATIVE, " m")?;
-    device.told_mass = within("told_mass", arguments.told_mass, FACTOR, "")?;
+    device.model_mass = within("model_mass", arguments.model_mass, FACTOR, "")?;
     let forces = match arguments.forces.as_str() {
         "balanced" => defaults.forces,
         "weight" => Forces::Weight {
@@ -84,7 +84,7 @@ fn params(method: &Bound<'_, PyAny>, arguments: &MapArguments) -> PyResult<MapPa
             NOT_NEGATIVE,
             " periods",
         )?,
-        told_period: within("told_period", arguments.told_period, FACTOR, "")?,
+        model_period: within("model_period", arguments.model_period, FACTOR, "")?,
         forces,
         ..defaults
     };
@@ -127,7 +127,7 @@ fn part(
     stop.leave_if_raised();
     computed.map_err(|error| error.to_string())?;
     let map = Map {
-        receipt: receipt::of(params, (number, of)),
+        metadata: metadata::of(params, (number, of)),
         rows: rows.into_values().flatten().collect(),
     };
     let seconds = begin.elapsed().as_secs_f64();
@@ -187,7 +187,7 @@ pub fn map_part(
     let (map, _) =
         interruptible(py, move |stop| part(&params, (number, of), 1, stop))?.map_err(refused)?;
     let lines = map.rows.iter().map(Row::to_line).collect();
-    Ok((map.receipt, lines))
+    Ok((map.metadata, lines))
 }
 
 /// Checks the parameters of a map and returns its number of cells.
@@ -205,13 +205,13 @@ pub fn map_columns() -> Vec<&'static str> {
 /// Joins all parts of a map, each with a name for messages.
 #[pyfunction]
 pub fn map_of_parts(parts: Vec<(String, Part)>) -> PyResult<Mapped> {
-    let read = |(name, (receipt, lines)): (String, Part)| {
+    let read = |(name, (metadata, lines)): (String, Part)| {
         let rows: Result<Vec<Row>, String> = lines
             .iter()
             .map(|line| Row::from_line(line, Format::BouncesAndStays))
             .collect();
         match rows {
-            Ok(rows) => Ok((name, Map { receipt, rows })),
+            Ok(rows) => Ok((name, Map { metadata, rows })),
             Err(error) => Err(refused(format!("{name}: {error}"))),
         }
     };

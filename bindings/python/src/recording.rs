@@ -58,7 +58,7 @@ pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
             stop.leave_if_raised();
         }
         let said = (palpate_study::json(&report), report.to_string());
-        let texts = recording.receipt.texts;
+        let texts = recording.metadata.texts;
         Ok((said, words, events, texts, of_bodies, of_devices))
     })?;
     let (said, words, events, texts, of_bodies, of_devices) = read.map_err(unread)?;

@@ -7,7 +7,7 @@ use palpate_record::trace::{Delimiter, Layout, Part, TraceError, Ways, read_part
 use palpate_record::unit::{HandMotion, LengthUnit, Spacing, TimeUnit};
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::Run;
-use palpate_study::report::{RecordedMotion, Replayed, Report, Subject, told_lines};
+use palpate_study::report::{RecordedMotion, Replayed, Report, Subject, actuation_lines};
 use pyo3::exceptions::{PyOSError, PyUserWarning};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -164,7 +164,7 @@ pub fn render<'py>(
             let subject = Subject::of_replay(title.to_owned(), setup);
             let mut report = Report::new(&subject, replay.reference(), &runs);
             let (samples, period) = (setup.delay().whole_samples(), setup.loop_params.period);
-            report.actuated(told_lines(&setup.actuation, samples, period));
+            report.actuated(actuation_lines(&setup.actuation, samples, period));
             report.replayed(Replayed::Motion);
             report.moved(covers);
             let ideal = of_ideal(replay.reference());

@@ -82,7 +82,7 @@ impl Renderer {
         let is_used = output.fault.is_none();
         // The renderer has rejected the position, so the safety layer must not use it.
         let coordinate = if is_used { position } else { 0.0 };
-        let verdict = self.safety.judge(&safety::Rendered {
+        let verdict = self.safety.evaluate(&safety::Rendered {
             elapsed,
             position: [coordinate, 0.0, 0.0],
             coordinate,
@@ -158,7 +158,7 @@ impl Renderer {
             output.penetration,
             output.phase.name(),
             output.transition_after,
-            output.placement_shift,
+            output.object_shift,
             PyTuple::new(py, limited)?,
             output.fault.map(|fault| fault.name()),
         );

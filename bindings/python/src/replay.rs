@@ -33,7 +33,7 @@ use crate::methods::{chosen, settings};
 use crate::names::{refused, wrong_on_bench, wrong_replay};
 use crate::render::{Rendered, RenderedInPython};
 use crate::setup::{check_fact, check_periods, guard_named, side_named};
-use crate::worlds::{Judged, replay_world};
+use crate::worlds::{Evaluated, replay_world};
 
 /// Changes to the recording's scene; `None` keeps the recorded value.
 #[derive(FromPyObject)]
@@ -61,7 +61,7 @@ struct Changes {
     gain: Option<f64>,
     gain_deviation: Option<f64>,
     device_mass: Option<f64>,
-    told_device_mass: Option<f64>,
+    model_device_mass: Option<f64>,
     encoder_quantum: Option<f64>,
 }
 
@@ -81,11 +81,11 @@ impl Changes {
         }
         check_periods("delay", self.delay)?;
         check_periods("delay_deviation", self.delay_deviation)?;
-        if let Some(mass) = self.told_device_mass
+        if let Some(mass) = self.model_device_mass
             && !(mass.is_finite() && mass > 0.0)
         {
             return Err(refused(format!(
-                "told_device_mass is {mass} kg, but must be finite and greater than 0"
+                "model_device_mass is {mass} kg, but must be finite and greater than 0"
             )));
         }
         if self.guard.is_none() && (self.guard_speed.is_some() || self.guard_allowance.is_some()) {
@@ -128,7 +128,7 @@ impl Changes {
             );
         }
         self.change_actuator(scene);
-        scene.told_device_mass = self.told_device_mass.or(scene.told_device_mass);
+        scene.model_device_mass = self.model_device_mass.or(scene.model_device_mass);
         if let Some(given) = self.device_mass {
             let mass = scene.device.mass_mut().ok_or_else(|| {
                 refused("device_mass: a recorded hand has moved a device whose mass it states")
@@ -144,23 +144,23 @@ impl Changes {
     /// Applies changes of the actuator to the true values and to the model values.
     fn change_actuator(&self, scene: &mut Scene) {
         let period = scene.loop_params.period;
-        let told = &mut scene.told;
+        let model = &mut scene.model;
         if let Some(periods) = self.delay {
-            told.delay = None;
-            scene.delay = Delay::told_whole(periods, period);
+            model.delay = None;
+            scene.delay = Delay::model_whole(periods, period);
         }
         if let Some(lag) = self.lag {
-            told.lag = None;
+            model.lag = None;
             scene.actuator.lag = lag;
         }
         if let Some(gain) = self.gain {
-            told.gain = None;
+            model.gain = None;
             scene.actuator.gain = gain;
         }
         let deviation = self.delay_deviation.map(|periods| periods * period);
-        told.delay_deviation = deviation.or(told.delay_deviation);
-        told.lag_deviation = self.lag_deviation.or(told.lag_deviation);
-        told.gain_deviation = self.gain_deviation.or(told.gain_deviation);
+        model.delay_deviation = deviation.or(model.delay_deviation);
+        model.lag_deviation = self.lag_deviation.or(model.lag_deviation);
+        model.gain_deviation = self.gain_deviation.or(model.gain_deviation);
     }
 
     /// Whether a parameter was given as an argument.
@@ -371,7 +371,7 @@ impl Replaying {
             ReplayError::TooLong(periods) => refused(format!(
                 "{}: the recording has {periods} periods; at most {} fit, so take a part of it with begin and end [s]",
                 self.recording.path().display(),
-                palpate_sim::run::MOST_PERIODS,
+                palpate_sim::run::MAX_PERIODS,
             )),
             other => refused(format!("{}: {other}", self.recording.path().display())),
         }
@@ -440,7 +440,7 @@ type Given<'a, 'py> = (
 /// Replay of one contact or of a world, and warnings.
 type Replayed<'py> = (
     Option<RenderedInPython<'py>>,
-    Option<Judged<'py>>,
+    Option<Evaluated<'py>>,
     Vec<String>,
 );
 
@@ -457,10 +457,10 @@ pub fn replay<'py>(
 ) -> PyResult<Replayed<'py>> {
     let given = (of, changes, settings_given);
     let recording = open(py, path)?;
-    if recording.receipt.texts.contains_key(RecordedWorld::TEXT) {
+    if recording.metadata.texts.contains_key(RecordedWorld::TEXT) {
         only_a_method(&recording, given)?;
-        let (judged, warnings) = replay_world(py, recording, method)?;
-        return Ok((None, Some(judged), warnings));
+        let (evaluated, warnings) = replay_world(py, recording, method)?;
+        return Ok((None, Some(evaluated), warnings));
     }
     let replaying = Replaying::of(recording, method, given)?;
     let (rendered, warnings) = interruptible(py, move |stop| match replaying.run(stop) {

@@ -95,31 +95,31 @@ pub fn heights(
     py: Python<'_>,
     scenes: Vec<Py<PyScene>>,
     method: &Bound<'_, PyAny>,
-    told_mass_factor: f64,
+    model_mass_factor: f64,
 ) -> PyResult<Said> {
-    if !(told_mass_factor.is_finite() && told_mass_factor > 0.0) {
+    if !(model_mass_factor.is_finite() && model_mass_factor > 0.0) {
         return Err(refused(format!(
-            "told_mass_factor is {told_mass_factor}, but must be finite and greater than 0"
+            "model_mass_factor is {model_mass_factor}, but must be finite and greater than 0"
         )));
     }
     let columns: Vec<_> = chosen(method)?.into_iter().map(Column::of).collect();
-    let judged: Vec<Scene> = scenes
+    let evaluated: Vec<Scene> = scenes
         .iter()
         .map(|scene| scene.get().scene().clone())
         .collect();
     let threads = threads()?;
     let found = interruptible(py, move |stop| {
-        let mut reports = Vec::with_capacity(judged.len());
-        for (place, mut scene) in judged.into_iter().enumerate() {
-            if told_mass_factor != 1.0 {
-                scene.told_device_mass = Some(told_mass_factor * scene.device.mass());
+        let mut reports = Vec::with_capacity(evaluated.len());
+        for (place, mut scene) in evaluated.into_iter().enumerate() {
+            if model_mass_factor != 1.0 {
+                scene.model_device_mass = Some(model_mass_factor * scene.device.mass());
             }
             let found = threads
                 .install(|| over_heights(&scene, &columns, || stop.leave_if_raised()))
                 .map_err(|error| (place, scene.method, error))?;
             reports.push(SceneReport::new(&scene, &columns, &found));
         }
-        let report = HeightsReport::new(told_mass_factor, reports);
+        let report = HeightsReport::new(model_mass_factor, reports);
         Ok((palpate_study::json(&report), report.to_string()))
     })?;
     found.map_err(

@@ -1,7 +1,7 @@
 //! `suite`: methods on random plants, as a whole or in parts.
 
 use palpate_study::suite::report::SuiteReport;
-use palpate_study::suite::{self, Column, MOST_PLANTS, Score, Set};
+use palpate_study::suite::{self, Column, MAX_PLANTS, Score, Set};
 use pyo3::prelude::*;
 
 use crate::figures::drawn;
@@ -19,7 +19,7 @@ type Row = (
 );
 
 /// Plants to draw and methods to evaluate.
-struct Judging {
+struct Evaluating {
     set: Set,
     seed: u64,
     columns: Vec<Column>,
@@ -27,7 +27,7 @@ struct Judging {
     is_named: bool,
 }
 
-impl Judging {
+impl Evaluating {
     fn of(set: &str, seed: u64, method: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let set = Set::ALL
             .into_iter()
@@ -70,11 +70,11 @@ impl Judging {
 
 /// Rejects 0 plants, and more than the program draws.
 fn check_plants(plants: usize) -> PyResult<()> {
-    if (1..=MOST_PLANTS as usize).contains(&plants) {
+    if (1..=MAX_PLANTS as usize).contains(&plants) {
         Ok(())
     } else {
         Err(refused(format!(
-            "plants is {plants}, but must be 1 to {MOST_PLANTS}"
+            "plants is {plants}, but must be 1 to {MAX_PLANTS}"
         )))
     }
 }
@@ -95,19 +95,19 @@ pub fn run_suite(
             "seeds is {seeds}, but must be 1 to 1000, and seed + seeds below 2^64"
         )));
     }
-    let judging = Judging::of(set, seed, method)?;
+    let judging = Evaluating::of(set, seed, method)?;
     let threads = threads()?;
-    let (judging, judged) = interruptible(py, move |stop| {
+    let (judging, evaluated) = interruptible(py, move |stop| {
         let look = || stop.leave_if_raised();
         let of_seed = |seed| {
-            let judged = suite::run(judging.set, seed, plants, &judging.columns, look)?;
-            Ok::<_, suite::SuiteError>(suite::scores(&judged))
+            let evaluated = suite::run(judging.set, seed, plants, &judging.columns, look)?;
+            Ok::<_, suite::SuiteError>(suite::scores(&evaluated))
         };
         let scores: Result<Vec<_>, _> =
             threads.install(|| (seed..seed + seeds).map(of_seed).collect());
         (judging, scores)
     })?;
-    judging.report(&judged.map_err(refused)?)
+    judging.report(&evaluated.map_err(refused)?)
 }
 
 /// Evaluates methods on the plants `first..end` in this thread only and returns one row per score.
@@ -120,33 +120,36 @@ pub fn suite_part(
     end: usize,
     method: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<Row>> {
-    let judging = Judging::of(set, seed, method)?;
+    let judging = Evaluating::of(set, seed, method)?;
     let thread = one_thread()?;
-    let judged = interruptible(py, move |stop| {
+    let evaluated = interruptible(py, move |stop| {
         let look = || stop.leave_if_raised();
         thread.install(|| suite::run_part(judging.set, seed, first..end, &judging.columns, look))
     })?;
-    let judged = judged.map_err(refused)?;
-    let rows = judged.iter().flat_map(suite::Judged::scores).map(|score| {
-        let Score {
-            plant,
-            redrawn,
-            ideal_error,
-            condition,
-            column,
-            error,
-            error_over_floor,
-            peak_ratio,
-            diverged,
-            samples,
-            limited,
-        } = score;
-        (
-            (plant, condition, column, redrawn),
-            (ideal_error, error, error_over_floor, peak_ratio),
-            (diverged, samples, limited),
-        )
-    });
+    let evaluated = evaluated.map_err(refused)?;
+    let rows = evaluated
+        .iter()
+        .flat_map(suite::Evaluated::scores)
+        .map(|score| {
+            let Score {
+                plant,
+                redrawn,
+                ideal_error,
+                condition,
+                column,
+                error,
+                error_over_bound,
+                peak_ratio,
+                diverged,
+                samples,
+                limited,
+            } = score;
+            (
+                (plant, condition, column, redrawn),
+                (ideal_error, error, error_over_bound, peak_ratio),
+                (diverged, samples, limited),
+            )
+        });
     Ok(rows.collect())
 }
 
@@ -158,7 +161,7 @@ pub fn suite_names(
     method: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(Vec<String>, Vec<String>)> {
     check_plants(plants)?;
-    let judging = Judging::of(set, 0, method)?;
+    let judging = Evaluating::of(set, 0, method)?;
     let conditions = judging.set.conditions();
     Ok((
         conditions.iter().map(ToString::to_string).collect(),
@@ -182,7 +185,7 @@ pub fn suite_of_parts(
         .into_iter()
         .map(|(places, numbers, counts)| {
             let (plant, condition, column, redrawn) = places;
-            let (ideal_error, error, error_over_floor, peak_ratio) = numbers;
+            let (ideal_error, error, error_over_bound, peak_ratio) = numbers;
             let (diverged, samples, limited) = counts;
             Score {
                 plant,
@@ -191,7 +194,7 @@ pub fn suite_of_parts(
                 condition,
                 column,
                 error,
-                error_over_floor,
+                error_over_bound,
                 peak_ratio,
                 diverged,
                 samples,
@@ -199,7 +202,7 @@ pub fn suite_of_parts(
             }
         })
         .collect();
-    Judging::of(set, seed, method)?.report(&[scores])
+    Evaluating::of(set, seed, method)?.report(&[scores])
 }
 
 /// Creates a pool of one thread: a caller of parts uses other processes for the other processors.

@@ -8,7 +8,7 @@ use palpate_rt::BoundedWorld;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_world::{
-    Effort, NOT_TURNED, Quaternion, Sample, Tool, Vector, WorldError, WorldPart, WorldState,
+    Effort, IDENTITY, Quaternion, Sample, Tool, Vector, WorldError, WorldPart, WorldState,
 };
 use pyo3::prelude::*;
 
@@ -21,7 +21,7 @@ use crate::scene::messages;
 /// Whether the text of a scene file describes a world.
 #[pyfunction]
 pub fn is_world(text: &str) -> bool {
-    WorldFile::is_one(text)
+    WorldFile::is_world_file(text)
 }
 
 /// A checked world, its renderer and its state.
@@ -52,7 +52,7 @@ struct Answer {
 }
 
 /// Forces or wrenches, limits, effort, fault and its device.
-type Told<'py> = (
+type WorldResult<'py> = (
     Bound<'py, PyArray2<f64>>,
     Vec<&'static str>,
     (u32, u32, u32, bool),
@@ -184,7 +184,7 @@ impl PyWorld {
         let rows = poses.outer_iter();
         let orientations: Vec<Quaternion> = rows
             .map(|row| match row.len() {
-                3 => NOT_TURNED,
+                3 => IDENTITY,
                 _ => [row[3], row[4], row[5], row[6]],
             })
             .collect();
@@ -236,7 +236,7 @@ impl PyWorld {
     }
 
     /// Returns the result of the last sample, or None before the first.
-    fn told<'py>(&self, py: Python<'py>) -> PyResult<Option<Told<'py>>> {
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Option<WorldResult<'py>>> {
         let Some(answer) = &self.last else {
             return Ok(None);
         };

@@ -1,8 +1,8 @@
 //! Readable state of a world: tuples of numbers, which the Python files name.
 
 use palpate_world::{
-    BodyBook, BodyState, ContactBook, ContactState, DeviceBook, Joint, JointBook, JointKind, Mode,
-    Quaternion, Side, ToolState, Vector,
+    BodyLedger, BodyState, ContactLedger, ContactState, DeviceLedger, Joint, JointKind,
+    JointLedger, Mode, Quaternion, Side, ToolState, Vector,
 };
 use pyo3::prelude::*;
 
@@ -26,7 +26,7 @@ type ContactNow = (
     Vector,
 );
 /// Entries of the energy ledger: contacts with their sides; bodies; devices; joints with their sides and kind.
-type BooksNow = (
+type LedgerNow = (
     Vec<([String; 2], [f64; 8])>,
     Vec<[f64; 5]>,
     Vec<[f64; 7]>,
@@ -74,7 +74,7 @@ pub fn world_tools(world: PyRef<'_, PyWorld>) -> Vec<(ToolNow, Option<Turned>)> 
 /// Returns the rotation of a tool as numbers.
 fn turned(tool: &ToolState) -> Turned {
     (
-        [tool.orientation, tool.avatar_orientation],
+        [tool.orientation, tool.proxy_orientation],
         [
             tool.angular_velocity,
             tool.turn_offset,
@@ -90,8 +90,8 @@ pub fn tool(tool: &ToolState) -> ToolNow {
     let ToolState {
         position,
         velocity,
-        avatar_position,
-        avatar_velocity,
+        proxy_position,
+        proxy_velocity,
         offset,
         velocity_offset,
         force,
@@ -101,8 +101,8 @@ pub fn tool(tool: &ToolState) -> ToolNow {
     let vectors = [
         position,
         velocity,
-        avatar_position,
-        avatar_velocity,
+        proxy_position,
+        proxy_velocity,
         offset,
         velocity_offset,
         force,
@@ -121,16 +121,16 @@ pub fn mode(mode: Mode) -> &'static str {
 }
 
 /// Returns the ledger entries of a contact.
-pub fn contact_book(book: &ContactBook) -> [f64; 8] {
+pub fn contact_ledger(entry: &ContactLedger) -> [f64; 8] {
     [
-        book.stored,
-        book.dissipated,
-        book.work,
-        book.work_on_avatar,
-        book.held,
-        book.observed,
-        book.step_error,
-        book.handed,
+        entry.stored,
+        entry.dissipated,
+        entry.work,
+        entry.work_on_proxy,
+        entry.held,
+        entry.observed,
+        entry.step_error,
+        entry.handed,
     ]
 }
 
@@ -159,47 +159,47 @@ pub fn world_contacts(world: PyRef<'_, PyWorld>) -> Vec<ContactNow> {
 
 /// Returns the energy ledger at the last sample.
 #[pyfunction]
-pub fn world_books(world: PyRef<'_, PyWorld>) -> BooksNow {
-    let books = world.state().books();
-    let contacts = world.state().contacts().iter().zip(&books.contacts);
-    let of_contact = |(contact, book): (&ContactState, &ContactBook)| {
-        let entries = contact_book(book);
+pub fn world_ledger(world: PyRef<'_, PyWorld>) -> LedgerNow {
+    let ledger = world.state().ledger();
+    let contacts = world.state().contacts().iter().zip(&ledger.contacts);
+    let of_contact = |(contact, entry): (&ContactState, &ContactLedger)| {
+        let entries = contact_ledger(entry);
         (contact.between.map(|side| world.side(side)), entries)
     };
-    let of_body = |book: &BodyBook| {
+    let of_body = |entry: &BodyLedger| {
         [
-            book.kinetic,
-            book.potential,
-            book.work,
-            book.outside,
-            book.step_error,
+            entry.kinetic,
+            entry.potential,
+            entry.work,
+            entry.outside,
+            entry.step_error,
         ]
     };
-    let of_device = |book: &DeviceBook| {
+    let of_device = |entry: &DeviceLedger| {
         [
-            book.port_work,
-            book.held,
-            book.unforeseen,
-            book.offset,
-            book.velocity_offset,
-            book.unpaid,
-            book.walked_back,
+            entry.port_work,
+            entry.held,
+            entry.unforeseen,
+            entry.offset,
+            entry.velocity_offset,
+            entry.unpaid,
+            entry.walked_back,
         ]
     };
-    let of_joint = |(joint, book): (&Joint, &JointBook)| {
+    let of_joint = |(joint, entry): (&Joint, &JointLedger)| {
         let against = joint.against.clone().unwrap_or_else(|| "world".into());
         let kind = match joint.kind {
             JointKind::Hinge => "hinge",
             JointKind::Slider => "slider",
         };
-        let entries = [book.stored, book.dissipated, book.work, book.step_error];
+        let entries = [entry.stored, entry.dissipated, entry.work, entry.step_error];
         ([joint.body.clone(), against], kind, entries)
     };
-    let joints = world.scene().world.joints.iter().zip(&books.joints);
+    let joints = world.scene().world.joints.iter().zip(&ledger.joints);
     (
         contacts.map(of_contact).collect(),
-        books.bodies.iter().map(of_body).collect(),
-        books.devices.iter().map(of_device).collect(),
+        ledger.bodies.iter().map(of_body).collect(),
+        ledger.devices.iter().map(of_device).collect(),
         joints.map(of_joint).collect(),
     )
 }

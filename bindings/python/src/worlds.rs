@@ -20,7 +20,7 @@ use crate::world::{PyWorld, wrong};
 /// Forces of all devices over all intervals.
 type Forces<'py> = Bound<'py, PyArray3<f64>>;
 /// Report as JSON and text; edges of the intervals; forces of each method; mean forces of the reference solution.
-pub type Judged<'py> = (
+pub type Evaluated<'py> = (
     String,
     String,
     Vec<f64>,
@@ -34,16 +34,17 @@ pub fn simulate_world<'py>(
     py: Python<'py>,
     world: &Bound<'py, PyWorld>,
     method: Option<&Bound<'py, PyAny>>,
-) -> PyResult<Judged<'py>> {
+) -> PyResult<Evaluated<'py>> {
     let scene = world.borrow().scene().clone();
     let is_all = is_all(method);
     let methods = methods(&scene, &world.borrow().method, method)?;
     let renderers = renderers(&scene, methods).map_err(|faults| world.borrow().wrong(&faults))?;
-    let judged = interruptible(py, move |stop| {
-        judge(WorldBench::new(&scene)?, &scene, (&renderers, is_all), stop)
+    let evaluated = interruptible(py, move |stop| {
+        evaluate(WorldBench::new(&scene)?, &scene, (&renderers, is_all), stop)
     })?;
-    let judged = judged.map_err(|error| refused(format!("{}: {error}", world.borrow().name)))?;
-    judged.into_python(py)
+    let evaluated =
+        evaluated.map_err(|error| refused(format!("{}: {error}", world.borrow().name)))?;
+    evaluated.into_python(py)
 }
 
 /// Renders the recorded motion of a world by each method, by default by its own, and returns the result with warnings.
@@ -51,7 +52,7 @@ pub fn replay_world<'py>(
     py: Python<'py>,
     recording: Recording,
     method: Option<&Bound<'py, PyAny>>,
-) -> PyResult<(Judged<'py>, Vec<String>)> {
+) -> PyResult<(Evaluated<'py>, Vec<String>)> {
     let name = recording.path().display().to_string();
     let recorded = py.detach(|| RecordedWorld::of(&recording));
     let recorded = recorded.map_err(|error| match error {
@@ -64,15 +65,15 @@ pub fn replay_world<'py>(
     let is_all = is_all(method);
     let methods = methods(&scene, &scene.render.method, method)?;
     let renderers = renderers(&scene, methods).map_err(|faults| wrong(&file, true, &faults))?;
-    let (judged, warnings) = interruptible(py, move |stop| {
+    let (evaluated, warnings) = interruptible(py, move |stop| {
         let mut warnings: Vec<_> = gaps.into_iter().collect();
         warnings.extend(lacking(&recording));
-        let judged = WorldBench::led(&scene, path)
-            .and_then(|bench| judge(bench, &scene, (&renderers, is_all), stop))
+        let evaluated = WorldBench::led(&scene, path)
+            .and_then(|bench| evaluate(bench, &scene, (&renderers, is_all), stop))
             .map_err(|error| refused(format!("{name}: {error}")))?;
-        Ok::<_, PyErr>((judged, warnings))
+        Ok::<_, PyErr>((evaluated, warnings))
     })??;
-    Ok((judged.into_python(py)?, warnings))
+    Ok((evaluated.into_python(py)?, warnings))
 }
 
 /// Creates a renderer for each method, so that a wrong method is reported before the reference solution is computed.
@@ -97,7 +98,7 @@ struct OfAWorld {
 }
 
 /// Runs each method on a bench.
-fn judge(
+fn evaluate(
     bench: WorldBench,
     scene: &WorldScene,
     (renderers, is_all): (&[(String, WorldRenderer)], bool),
@@ -135,7 +136,7 @@ fn judge(
 }
 
 impl OfAWorld {
-    fn into_python(self, py: Python<'_>) -> PyResult<Judged<'_>> {
+    fn into_python(self, py: Python<'_>) -> PyResult<Evaluated<'_>> {
         let forces = self.forces.into_iter();
         let forces = forces.map(|(method, forces)| Ok((method, of_devices(py, &forces)?)));
         let forces: PyResult<Vec<_>> = forces.collect();

@@ -128,7 +128,7 @@ def turned(pose: Any) -> Any:
     return [world.step(pose).tobytes() for _ in range(3)], world.output.fault  # type: ignore[union-attr]
 
 
-def told_sent(force: Any) -> Any:
+def report_sent_of(force: Any) -> Any:
     world = ball(1)
     world.step([0.0, 0.0, 0.015])
     world.report_sent(force)
@@ -148,7 +148,7 @@ def turned_to(orientation: Any) -> Any:
 
 
 def placed(origin: Any) -> Any:
-    diy = devices.TwoDiy("nowhere", origin=origin, normal=origin, guardian=False)._given()
+    diy = devices.TwoDiy("nowhere", origin=origin, normal=origin, watchdog=False)._given()
     return diy["origin"], diy["normal"], devices.Inverse3(origin=origin)._given()["origin"]
 
 
@@ -223,7 +223,7 @@ TAKEN: dict[str, tuple[Callable[[Any], Any], np.ndarray, str]] = {
     "World.step": (stepped(1), np.array([0.001, 0.002, 0.0153]), "position"),
     "World.step of two devices": (stepped(2), np.array([[0.001, 0.002, 0.0153], [0.03, 0.0, 0.031]]), "position"),
     "World.step of six axes": (turned, np.array([0.0, 0.0, 0.004, 1.0, 0.0, 0.0, 0.0]), "position"),
-    "World.report_sent": (told_sent, np.array([0.1, -0.2, -0.73]), "force"),
+    "World.report_sent": (report_sent_of, np.array([0.1, -0.2, -0.73]), "force"),
     "PointerInWorld.move_to": (led_to, np.array([0.01, -0.023, 0.047]), "target"),
     "PointerInWorld.turn_to": (turned_to, np.array([0.51, 0.23, -0.31, 0.62]), "orientation"),
     "a device's origin": (placed, np.array([0.013, 0.11]), "origin"),

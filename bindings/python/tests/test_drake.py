@@ -97,7 +97,7 @@ def off_centre() -> Any:
     return central.Shift(-CENTRE)
 
 
-class Told(Contact):
+class FixedWrench(Contact):
     """Contacts that give one wrench for ever: what is tested is the way into the engine."""
 
     wrench: Any = None
@@ -107,9 +107,9 @@ class Told(Contact):
         return np.array([self.wrench] * len(bodies))
 
 
-def told(made: Plant, body: Any, wrench: Any) -> Told:
-    contact = Told(made.simulator, made.plant, tool=0.01, bodies=[body], stiffness=100.0, device_mass=0.2, **FREE)
-    assert isinstance(contact, Told)
+def with_wrench(made: Plant, body: Any, wrench: Any) -> FixedWrench:
+    contact = FixedWrench(made.simulator, made.plant, tool=0.01, bodies=[body], stiffness=100.0, device_mass=0.2, **FREE)
+    assert isinstance(contact, FixedWrench)
     contact.wrench = wrench
     return contact
 
@@ -118,7 +118,7 @@ def told(made: Plant, body: Any, wrench: Any) -> Told:
 def test_a_newton_on_a_kilogram_for_a_second_is_half_a_metre(sampled: bool) -> None:
     made, body = block(use_sampled_output_ports=sampled)
     start = made.centre(body)
-    contact = told(made, body, [1, 0, 0, 0, 0, 0])
+    contact = with_wrench(made, body, [1, 0, 0, 0, 0, 0])
     for _ in range(1000):
         contact.step([0, 0, 0])
     assert made.root.get_time() == pytest.approx(1.0, abs=1e-12)
@@ -139,7 +139,7 @@ def test_a_wrench_off_the_centre_turns_a_rotated_body_as_its_mobility_says(sampl
     turning = np.array([0.4, -0.5, 0.6])
     made.plant.SetFreeBodySpatialVelocity(made.own, body, SpatialVelocity(turning, np.array([0.1, 0.2, 0.3])))
     start = made.velocity(body)
-    contact = told(made, body, wrench)
+    contact = with_wrench(made, body, wrench)
     contact.step([0, 0, 0])
     row = contact.seen[0]
     mobility = row[19:].reshape(6, 6)
@@ -173,7 +173,7 @@ def swung(wrench: Any, post: bool, **config: Any) -> tuple[Any, Any, Any]:
         made.shape(made.plant.world_body(), "post", Sphere(0.05), (0.2, 0.14, 0.05))
     made.ready()
     hinge.set_angular_rate(made.own, 0.5)
-    contact = told(made, door, wrench)
+    contact = with_wrench(made, door, wrench)
     before = made.velocity(door)
     assert before[3:] @ HINGE == pytest.approx(0.5)
     contact.step([0, 0, 0])
@@ -209,7 +209,7 @@ def test_a_row_says_what_the_other_contacts_will_do(approximation: str, sampled:
 
 def test_a_locked_joint_does_not_give_way() -> None:
     made, body = block()
-    contact = told(made, body, [1, 0, 0, 0, 0, 0])
+    contact = with_wrench(made, body, [1, 0, 0, 0, 0, 0])
     body.Lock(made.own)
     contact.step([0, 0, 0])
     assert (contact.seen[0][19:] == 0).all()
@@ -385,7 +385,7 @@ def test_what_else_stands_in_the_port_stays_and_several_contacts_share_it() -> N
     value = port.Allocate()
     value.set_value([theirs])
     port.FixValue(made.own, value)
-    one, other = told(made, left, [1, 0, 0, 0, 0, 0]), told(made, right, [0, 0, 2, 0, 0, 0])
+    one, other = with_wrench(made, left, [1, 0, 0, 0, 0, 0]), with_wrench(made, right, [0, 0, 2, 0, 0, 0])
     for first, second in ((one, other), (other, one)):
         one.sample([0, 0, 0])
         other.sample([0, 0, 0])
@@ -425,8 +425,8 @@ def test_a_port_that_is_connected_is_shared_through_a_multiplexer() -> None:
     value = outer.Allocate()
     value.set_value([theirs])
     outer.FixValue(made.root, value)
-    contact = Told(made.simulator, made.plant, port=both.get_input_port(1), **law)
-    assert isinstance(contact, Told)
+    contact = FixedWrench(made.simulator, made.plant, port=both.get_input_port(1), **law)
+    assert isinstance(contact, FixedWrench)
     contact.wrench = [1, 0, 0, 0, 0, 0]
     contact.step([0, 0, 0])
     np.testing.assert_allclose(made.velocity(ball)[:3], [0.001, 0.003, 0], atol=1e-12)
@@ -445,7 +445,7 @@ def test_time_that_goes_back_begins_anew() -> None:
     made.plant.SetFreeBodySpatialVelocity(made.own, ball, SpatialVelocity(np.zeros(3), np.zeros(3)))
     made.simulator.Initialize()
     np.testing.assert_array_equal(contact.step([0, 0, 0.039]), np.zeros(3))
-    assert all(entry == 0 for book in contact.books[1].values() for entry in book)
+    assert all(entry == 0 for entry in contact.ledger[1].values() for entry in entry)
 
 
 def test_another_context_begins_anew() -> None:
@@ -472,7 +472,7 @@ def test_a_step_that_ends_with_an_error_leaves_nothing_in_the_port() -> None:
     made = Plant()
     ball = made.ball()
     made.ready()
-    contact = told(made, ball, [1, 0, 0, 0, 0, 0])
+    contact = with_wrench(made, ball, [1, 0, 0, 0, 0, 0])
 
     def stop(_: Any) -> Any:
         raise RuntimeError("enough")

@@ -180,7 +180,7 @@ def test_a_device_that_goes_ends_the_loop_which_says_so_once_its_ticks_are_read(
                     running.read(wait=PATIENCE)
     assert running.report is not None and running.report.ending == "the device is gone"
     kinds = [event.kind for event in running.events()]
-    assert kinds[-1] == "ended" and "trip-device-lost" in kinds
+    assert kinds[-1] == "ended" and "safety-stop-device-lost" in kinds
     # The error is raised once.
     assert running.stop() == running.report
 
@@ -236,7 +236,7 @@ def test_a_hand_leads_its_device_and_lets_go() -> None:
     with loop(device, wall()) as running:
         device.move_to(-0.03)
         read_until(running, "the target", lambda ticks: abs(ticks["device_position_m"][-1] + 0.03) < 1e-4)
-        device.let_go()
+        device.disable_output()
         assert device.target is None
         with pytest.raises(ValueError, match="target is NaN m"):
             device.move_to(math.nan)
@@ -463,8 +463,8 @@ def is_at_zero_after(runs: str, how: str, program: Program, folder: Path) -> boo
             if said == "lost\n":
                 return False
             assert said == "presses\n", python.stderr.read()
-            guards = guardians(python.pid)
-            assert len(guards) == 1, "one guardian beside the loop"
+            guards = watchdogs(python.pid)
+            assert len(guards) == 1, "one watchdog beside the loop"
             if number is not None:
                 python.send_signal(number)
             else:
@@ -473,14 +473,14 @@ def is_at_zero_after(runs: str, how: str, program: Program, folder: Path) -> boo
             done = python.wait(PATIENCE)
             assert code is None or done == code
             # The watchdog process lives until the board confirms zero torque.
-            until("the end of the guardian", lambda: not any(Path("/proc", guard).exists() for guard in guards))
+            until("the end of the watchdog", lambda: not any(Path("/proc", guard).exists() for guard in guards))
     assert board.largest_torque > 0.001, board.said
     assert board.last_torques == [0.0, 0.0], board.said
     return True
 
 
-def guardians(parent: int) -> list[str]:
-    """Process ids of the guardians that a process has started."""
+def watchdogs(parent: int) -> list[str]:
+    """Process ids of the watchdogs that a process has started."""
     found = []
     for entry in Path("/proc").iterdir():
         try:

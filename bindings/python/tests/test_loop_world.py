@@ -124,13 +124,13 @@ def test_a_ball_that_is_pushed_moves_and_its_bodies_are_of_the_ticks_that_were_r
 
         until("the ball to move", has_moved)
         names = running.body_names
-    ticks, told = np.concatenate(parts), np.concatenate(bodies)
-    assert told.dtype == palpate.BODIES and names == ("floor", "ball", "tool")
+    ticks, model = np.concatenate(parts), np.concatenate(bodies)
+    assert model.dtype == palpate.BODIES and names == ("floor", "ball", "tool")
     # Every tick has rows of the ball and the proxy; fixed bodies have none.
     for number in (1, 2):
-        assert (told["sequence"][told["body"] == number] == np.unique(ticks["sequence"])).all()
-    assert set(told["body"]) == {1, 2}
-    free = told[told["body"] == 1]
+        assert (model["sequence"][model["body"] == number] == np.unique(ticks["sequence"])).all()
+    assert set(model["body"]) == {1, 2}
+    free = model[model["body"] == 1]
     assert np.allclose(free["position_m"][0], [0.045, 0.0, 0.05]) and (free["velocity_m_per_s"][0] == 0).all()
     assert free["position_m"][-1, 0] > 0.045
     assert np.allclose(np.linalg.norm(free["orientation"], axis=1), 1.0)
@@ -214,7 +214,7 @@ def test_a_hand_leads_its_device_through_space_and_lets_go() -> None:
             return bool(np.abs(np.array(at) - [-0.02, 0.03, 0.06]).max() < 1e-4)
 
         read_until(running, "the target", is_there)
-        device.let_go()
+        device.disable_output()
         assert device.target is None
         with pytest.raises(ValueError, match="target has a coordinate of NaN m"):
             device.move_to([0.0, math.nan, 0.0])

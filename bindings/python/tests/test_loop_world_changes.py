@@ -114,9 +114,9 @@ def test_a_body_goes_on_from_where_it_is_and_with_its_speed_under_another_mass_a
     moved = free["position_m"][place, 0] - free["position_m"][place - 1, 0]
     assert moved == pytest.approx(before[0] * (times[place] - times[place - 1]), abs=0.002 * before[0])
     assert free["velocity_m_per_s"][place:, 0] == pytest.approx(np.full(len(free) - place, before[0]), abs=1e-9)
-    told = free["velocity_m_per_s"][place:, 1]
-    assert told[0] > 0.0 and told == pytest.approx(0.2 * (times[place:] - times[place - 1]), abs=0.2 * 0.002)
-    assert told[-1] > 0.02
+    model = free["velocity_m_per_s"][place:, 1]
+    assert model[0] > 0.0 and model == pytest.approx(0.2 * (times[place:] - times[place - 1]), abs=0.2 * 0.002)
+    assert model[-1] > 0.02
 
 
 def test_a_body_is_put_elsewhere_and_others_stay() -> None:

@@ -41,7 +41,7 @@ BLOCK = (
 )
 
 
-class Told(Contact):
+class FixedWrench(Contact):
     """Contacts that give one wrench for ever: what is tested is the way into the engine."""
 
     wrench: Any = None
@@ -51,16 +51,16 @@ class Told(Contact):
         return np.array([self.wrench])
 
 
-def told(model: Any, data: Any, wrench: Any, body: str = "block") -> Told:
-    contact = Told(model, data, tool=0.01, bodies=[body], stiffness=100.0, device_mass=0.2, **FREE)
-    assert isinstance(contact, Told)
+def with_wrench(model: Any, data: Any, wrench: Any, body: str = "block") -> FixedWrench:
+    contact = FixedWrench(model, data, tool=0.01, bodies=[body], stiffness=100.0, device_mass=0.2, **FREE)
+    assert isinstance(contact, FixedWrench)
     contact.wrench = wrench
     return contact
 
 
 def test_a_newton_on_a_kilogram_for_a_second_is_half_a_metre() -> None:
     model, data = load(BLOCK)
-    contact = told(model, data, [1, 0, 0, 0, 0, 0])
+    contact = with_wrench(model, data, [1, 0, 0, 0, 0, 0])
     mujoco.mj_forward(model, data)
     start = data.xipos[1].copy()
     for _ in range(1000):
@@ -76,7 +76,7 @@ def test_a_wrench_off_the_centre_turns_a_rotated_body_as_its_mobility_says() -> 
     force, arm = np.array([0.3, -0.2, 1.0]), np.array([0.05, 0.1, -0.02])
     wrench = np.concatenate([force, np.cross(arm, force)])
     data.qvel[:] = [0.1, 0.2, 0.3, 0.4, -0.5, 0.6]
-    contact = told(model, data, wrench)
+    contact = with_wrench(model, data, wrench)
     contact.step([0, 0, 0])
     row = contact.seen[0]
     before, acceleration, mobility = row[7:13], row[13:19], row[19:].reshape(6, 6)
@@ -96,7 +96,7 @@ def test_a_door_answers_at_its_handle_by_its_moment_of_inertia() -> None:
     model, data = load(
         '<body name="door"><joint type="hinge" axis="0 0 1"/><geom type="box" pos="0.4 0 0" size="0.4 0.02 1" mass="3"/></body>'
     )
-    contact = told(model, data, [0, 0, 0, 0, 0, 0], "door")
+    contact = with_wrench(model, data, [0, 0, 0, 0, 0, 0], "door")
     contact.step([0, 0, 0])
     mobility = contact.seen[0][19:].reshape(6, 6)
     # At the handle, 0.4 m beyond the centre of mass, along y.
@@ -209,8 +209,8 @@ def test_bad_samples_give_no_force_and_the_engine_goes_on() -> None:
     assert abs(np.linalg.norm(force) - 20) < 1e-6 and contact.output.limited == ("force",)
     contact.reset()
     assert contact.output is None and contact.step([0, 0, 1.0]).tolist() == [0, 0, 0]
-    books, ports = contact.books
-    assert books[0].between == ("tool", "body 'ball'") and ports["tool"].port_work == 0
+    ledger, ports = contact.ledger
+    assert ledger[0].between == ("tool", "body 'ball'") and ports["tool"].port_work == 0
 
 
 def test_an_engine_that_was_put_back_is_met_anew(tmp_path: Any, monkeypatch: Any) -> None:
@@ -410,7 +410,7 @@ def test_a_delay_that_is_told_costs_nothing(period: float, stiffness: float) -> 
             forces.append(late)
             device.hold(late)
             late = answer
-        errors.append(table.judged(np.array(forces), ideal)[0])
+        errors.append(table.evaluated(np.array(forces), ideal)[0])
     assert errors[0] < 2 and errors[1] > 50, errors
 
 
@@ -486,7 +486,7 @@ def test_a_step_answers_to_a_wrench_as_foreseen_by_any_integrator(integrator: st
     model, data = arm(integrator, damping, actuators, flag=flag)
     data.ctrl[:] = 0.2
     wrench = np.array([0.7, 0.0, -3.0, 0.0, 0.02, 0.0])
-    contact = told(model, data, wrench, "hand")
+    contact = with_wrench(model, data, wrench, "hand")
     for _ in range(3):
         contact.sample([0.0, 0.0, 1.0])
         contact.push()

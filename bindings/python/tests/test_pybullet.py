@@ -45,7 +45,7 @@ def block(client: int) -> int:
     return body(client, 1.0, (1, 2, 3), [0.01, 0.02, 0.025], turned, **shape)
 
 
-class Told(Contact):
+class FixedWrench(Contact):
     """Contacts that give one wrench for ever: what is tested is the way into the engine."""
 
     wrench: Any = None
@@ -55,9 +55,9 @@ class Told(Contact):
         return np.array([self.wrench])
 
 
-def told(client: int, number: int, wrench: Any) -> Told:
-    contact = Told(client, tool=0.01, bodies=[number], stiffness=100.0, device_mass=0.2, **FREE)
-    assert isinstance(contact, Told)
+def with_wrench(client: int, number: int, wrench: Any) -> FixedWrench:
+    contact = FixedWrench(client, tool=0.01, bodies=[number], stiffness=100.0, device_mass=0.2, **FREE)
+    assert isinstance(contact, FixedWrench)
     contact.wrench = wrench
     return contact
 
@@ -65,7 +65,7 @@ def told(client: int, number: int, wrench: Any) -> Told:
 def test_a_newton_on_a_kilogram_for_a_second_is_half_a_metre(client: int) -> None:
     number = block(client)
     start = np.array(pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[0])
-    contact = told(client, number, [1, 0, 0, 0, 0, 0])
+    contact = with_wrench(client, number, [1, 0, 0, 0, 0, 0])
     for _ in range(1000):
         contact.step([0, 0, 0])
     moved = np.array(pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[0]) - start
@@ -86,7 +86,7 @@ def test_a_wrench_off_the_centre_turns_a_rotated_body_as_its_mobility_says(clien
     wrench = np.concatenate([force, np.cross(arm, force)])
     start = [0.1, 0.2, 0.3], [0.4, -0.5, 0.6]
     pybullet.resetBaseVelocity(number, *start, physicsClientId=client)
-    contact = told(client, number, wrench)
+    contact = with_wrench(client, number, wrench)
     contact.step([0, 0, 0])
     mobility = contact.seen[0][19:].reshape(6, 6)
     orientation = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[1]

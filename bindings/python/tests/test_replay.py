@@ -58,8 +58,8 @@ def world(program: Any, tmp_path_factory: Any) -> Path:
             {"replay": "hand", "method": ["basic", "coupled"], **HELD},
         ),
         (
-            ["--replay", "hand", "--hand-bandwidth", 20, "--device-mass", 0.3, "--told-device-mass", 0.2],
-            {"replay": "hand", "hand_bandwidth": 20, "device_mass": 0.3, "told_device_mass": 0.2},
+            ["--replay", "hand", "--hand-bandwidth", 20, "--device-mass", 0.3, "--model-device-mass", 0.2],
+            {"replay": "hand", "hand_bandwidth": 20, "device_mass": 0.3, "model_device_mass": 0.2},
         ),
         (["--encoder-quantum", 1e-5, "--force", -0.5, "--object-velocity", 0.1], {"encoder_quantum": 1e-5, "force": -0.5, "object_velocity": 0.1}),
     ],
@@ -146,17 +146,17 @@ def test_a_device_that_leaves_what_an_arm_reaches_is_said(program: Any, tap: Pat
         if is_refused:
             with pytest.raises(ValueError) as raised:
                 palpate.replay(tap, "basic", replay="hand", **given, **contact)
-            told = str(raised.value)
+            model = str(raised.value)
         else:
             palpate.replay(tap, "basic", replay="hand", **given, **contact)
-            (told,) = (str(one.message) for one in said)
+            (model,) = (str(one.message) for one in said)
     theirs = done.stderr.splitlines()[0].removeprefix("warning: ").removeprefix("error: ")
     for flag, argument in (
         ("--hand-stiffness 60 --hand-damping 2", "hand_stiffness=60, hand_damping=2"),
         ("--device-mass", "device_mass"),
     ):
         theirs = theirs.replace(flag, argument)
-    assert told == theirs and "arm reaches" in told
+    assert model == theirs and "arm reaches" in model
 
 
 @pytest.mark.parametrize(
@@ -165,7 +165,7 @@ def test_a_device_that_leaves_what_an_arm_reaches_is_said(program: Any, tap: Pat
         ({"stiffness": -1.0}, "stiffness is -1 N/m, but must be finite and greater than 0"),
         ({"mass": 0.0}, "mass is 0 kg, but must be "),
         ({"device_mass": 0.0}, "device_mass is 0 kg, but must be finite and greater than 0"),
-        ({"told_device_mass": -1.0}, "told_device_mass is -1 kg, but must be finite and greater than 0"),
+        ({"model_device_mass": -1.0}, "model_device_mass is -1 kg, but must be finite and greater than 0"),
         ({"delay": -1.0}, "delay is -1 periods, but must be finite and not below 0"),
         ({"lag": float("nan")}, "lag is NaN s, but must be"),
         ({"side": "left"}, 'side is "left", but must be "positive" or "negative"'),

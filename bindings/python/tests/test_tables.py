@@ -43,17 +43,17 @@ def test_with_palpate_the_force_is_the_mean_of_the_ideal_one(engine: Engine, per
     for scene in table.scenes(period, stiffness):
         ideal = palpate.simulate(scene.world)
         samples = ideal.ideal.shape[1]
-        for told in (1.0, 1.5):
-            error, _ = table.judged(bench.with_palpate(scene, 4, engine.integrator, told, samples)[0], ideal)
-            assert error < engine.error, (scene.name, told, error)
-        alone, over = table.judged(bench.with_engine(scene, 4, engine.integrator, 0.0, samples)[0], ideal)
+        for mass_factor in (1.0, 1.5):
+            error, _ = table.evaluated(bench.with_palpate(scene, 4, engine.integrator, mass_factor, samples)[0], ideal)
+            assert error < engine.error, (scene.name, mass_factor, error)
+        alone, over = table.evaluated(bench.with_engine(scene, 4, engine.integrator, 0.0, samples)[0], ideal)
         assert alone > engine.alone and over > engine.over, (scene.name, alone)
 
 
 def test_the_table_says_every_way(engine: Engine, capsys: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr(table, "RATES", [(0.01, 400.0)])
     monkeypatch.setattr(table, "DAMPING_RATIOS", (0.0, 0.05))
-    arguments = ["table", "--engine", engine.name, "--steps", "2", "--told", "1", "--integrators"]
+    arguments = ["table", "--engine", engine.name, "--steps", "2", "--model-mass-factor", "1", "--integrators"]
     monkeypatch.setattr("sys.argv", [*arguments, engine.integrator])
     table.main()
     said = capsys.readouterr().out

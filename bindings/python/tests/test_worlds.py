@@ -42,9 +42,9 @@ def test_a_world_is_simulated_to_the_numbers_of_the_program(program: Any, root: 
     # cannot render.
     masses = np.array([device["mass_kg"] for device in palpate.World(path).to_dict()["device"]])[:, None, :]
     off, of = [np.sum(x**2 / masses) for x in (ours.forces["coupled"] - ours.ideal, ours.ideal)]
-    told = ours.method("coupled").sum
-    shown = 1 - (told.hold_floor_percent / 100) ** 2
-    assert abs(100 * math.sqrt(shown * off / of) - told.mean_force_error_percent) < 1e-6
+    model = ours.method("coupled").sum
+    shown = 1 - (model.hold_bound_percent / 100) ** 2
+    assert abs(100 * math.sqrt(shown * off / of) - model.mean_force_error_percent) < 1e-6
     assert ours.edges.shape == (ours.ideal.shape[1] + 1,)
 
 
@@ -141,13 +141,13 @@ def test_rows_of_several_devices_are_poses_where_one_of_them_turns() -> None:
 @pytest.mark.parametrize(("name", "kind"), [("drawer", "slider"), ("lever", "hinge")])
 def test_the_books_of_a_joint_close(root: Path, name: str, kind: str) -> None:
     world = palpate.World(f"experiments/worlds/{name}.toml")
-    assert [joint.kind for joint in world.books.joints] == [kind]
+    assert [joint.kind for joint in world.ledger.joints] == [kind]
     start = np.array(world.to_dict()["device"][0]["position_m"])
-    first = world.books.joints[0].stored
-    towards = world.bodies[world.books.joints[0].between[0]].position - start
+    first = world.ledger.joints[0].stored
+    towards = world.bodies[world.ledger.joints[0].between[0]].position - start
     for tick in range(150):
         world.step(start + towards * min(1.0, tick / 100))
-    [joint] = world.books.joints
+    [joint] = world.ledger.joints
     assert joint.between[1] == "world" and joint.dissipated > 0
     turned_over = abs(joint.work) + joint.dissipated + joint.stored
     assert turned_over > 1e-9
@@ -157,7 +157,7 @@ def test_the_books_of_a_joint_close(root: Path, name: str, kind: str) -> None:
         **{key: world.to_dict()[table] for key, table in
            {"loop": "loop", "devices": "device", "bodies": "body", "contacts": "contact", "joints": "joint"}.items()}
     )
-    assert [joint.kind for joint in again.books.joints] == [kind]
+    assert [joint.kind for joint in again.ledger.joints] == [kind]
 
 
 def test_what_a_world_has_can_be_read_after_a_sample() -> None:
@@ -172,14 +172,14 @@ def test_what_a_world_has_can_be_read_after_a_sample() -> None:
     assert contact.between == ("tool", "ball") and contact.normal.tolist() == [0, 0, -1]
     output = world.output
     assert output is not None and output.fault is None and output.limited == () and output.effort.sub_steps >= 16
-    books = world.books
-    [book] = books.contacts
+    ledger = world.ledger
+    [entry] = ledger.contacts
     # The contact starts at a sample, so its stored energy starts at 0.
-    assert abs(book.stored - (book.observed - book.work - book.dissipated + book.step_error)) < 1e-12
-    assert abs(book.leak - (book.held - book.work_on_avatar)) < 1e-15 and book.stored > 0
-    assert abs(books.bodies["ball"].kinetic - 0.5 * 0.1 * body.velocity @ body.velocity) < 1e-15
+    assert abs(entry.stored - (entry.observed - entry.work - entry.dissipated + entry.step_error)) < 1e-12
+    assert abs(entry.leak - (entry.held - entry.work_on_proxy)) < 1e-15 and entry.stored > 0
+    assert abs(ledger.bodies["ball"].kinetic - 0.5 * 0.1 * body.velocity @ body.velocity) < 1e-15
     # The device did not move, so the work at its port is 0.
-    assert books.devices["tool"].port_work == 0.0
+    assert ledger.devices["tool"].port_work == 0.0
     world.reset()
     assert world.output is None and world.bodies["ball"].velocity.tolist() == [0, 0, 0]
 

@@ -2,8 +2,8 @@
 
 use palpate_device::clock::{Clock as _, SteppedClock};
 use palpate_record::recording::Row;
-use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
-use palpate_rt::{ControlLoop, Listener, Note, Parameters, Rendering, Told, tap};
+use palpate_rt::safety::{OscillationParams, SafetyParams, SafetyStop};
+use palpate_rt::{ControlLoop, Listener, Message, Note, Parameters, Rendering, tap};
 use palpate_scope::message::ServerMessage;
 use palpate_scope::rows::Rows;
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
@@ -11,9 +11,9 @@ use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 /// Capacity for ticks, contacts and notes of one call of [`Lane::advance`].
 const ROOM: usize = 1 << 14;
 /// Largest number of ticks per call: each needs an entry for itself and its contact, and may have notes.
-const MOST_TICKS: u64 = (ROOM / 4) as u64;
+const MAX_TICKS: u64 = (ROOM / 4) as u64;
 /// Largest number of notes that one call reports; the rest is counted.
-const MOST_NOTES: usize = 16;
+const MAX_NOTES: usize = 16;
 
 /// A loop, its device, and its rows that have not been shown.
 pub struct Lane {
@@ -25,14 +25,14 @@ pub struct Lane {
     ticks: u64,
     rows: Rows,
     frames: u32,
-    trip: Option<Tripped>,
+    safety_stop: Option<Stopped>,
     /// Last known device position `[m]`.
     position: Option<f64>,
 }
 
 /// A safety stop, which holds the force at 0.
 #[derive(Clone, Debug)]
-pub struct Tripped {
+pub struct Stopped {
     /// Reason.
     pub why: String,
     /// Method whose held forces caused the stop, if a method did.
@@ -77,7 +77,7 @@ impl Lane {
             ticks: 0,
             rows: Rows::new(period),
             frames: 0,
-            trip: None,
+            safety_stop: None,
             position: None,
         })
     }
@@ -90,7 +90,7 @@ impl Lane {
     /// Advances to this time `[s]`, adds messages to `notes` under this number, and returns the number of ticks.
     pub fn advance(&mut self, until: f64, number: usize, notes: &mut Vec<String>) -> u32 {
         let mut made = 0;
-        while self.ticks as f64 * self.period <= until && u64::from(made) < MOST_TICKS {
+        while self.ticks as f64 * self.period <= until && u64::from(made) < MAX_TICKS {
             self.control.tick();
             self.ticks += 1;
             made += 1;
@@ -100,53 +100,53 @@ impl Lane {
     }
 
     fn listen(&mut self, number: usize, notes: &mut Vec<String>) {
-        let (mut told, mut untold) = (0, 0);
+        let (mut messages, mut unmodelled) = (0, 0);
         for heard in self.listener.by_ref() {
             match heard {
-                Told::Tick(tick, contacts, _, _) => {
+                Message::Tick(tick, contacts, _, _) => {
                     if let Some(row) = Row::of(tick, &contacts).next() {
                         self.position = Some(row.contact.device_position);
                         self.rows.add(&row);
                     }
                 }
-                Told::Note(noted) => {
+                Message::Note(noted) => {
                     match noted.note {
-                        Note::Tripped(trip) => {
-                            self.trip = Some(Tripped {
-                                why: trip.to_string(),
+                        Note::Stopped(safety_stop) => {
+                            self.safety_stop = Some(Stopped {
+                                why: safety_stop.to_string(),
                                 method: None,
                             });
                         }
                         Note::Oscillated { method, .. } => {
-                            self.trip = Some(Tripped {
-                                why: Trip::Oscillation.to_string(),
+                            self.safety_stop = Some(Stopped {
+                                why: SafetyStop::Oscillation.to_string(),
                                 method: Some(method),
                             });
                         }
                         _ => {}
                     }
-                    if told == MOST_NOTES {
-                        untold += 1;
+                    if messages == MAX_NOTES {
+                        unmodelled += 1;
                         continue;
                     }
-                    told += 1;
+                    messages += 1;
                     let event = noted.event();
                     notes.push(note(number, event.time, &event.kind, &event.text));
                 }
             }
         }
-        if untold > 0 {
-            let text = format!("and {untold} more at once");
-            notes.push(note(number, self.time(), "untold", &text));
+        if unmodelled > 0 {
+            let text = format!("and {unmodelled} more at once");
+            notes.push(note(number, self.time(), "unmodelled", &text));
         }
-        if self.control.trip().is_none() {
-            self.trip = None;
+        if self.control.safety_stop().is_none() {
+            self.safety_stop = None;
         }
     }
 
     /// Returns the active safety stop.
-    pub fn trip(&self) -> Option<&Tripped> {
-        self.trip.as_ref()
+    pub fn safety_stop(&self) -> Option<&Stopped> {
+        self.safety_stop.as_ref()
     }
 
     /// Resets the safety stop.

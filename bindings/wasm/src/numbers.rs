@@ -6,7 +6,7 @@ use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::world::as_judged;
+use palpate_sim::world::as_evaluated;
 use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::world::{PlantParams, WorldPlant};
 use palpate_world::Sample;
@@ -21,7 +21,7 @@ const USUAL: (f64, f64, f64) = (1.0, 1000.0, 0.05);
 /// # Errors
 /// A fault of the text, with line and column; a scene that cannot be run.
 pub fn numbers(source: &str) -> Result<String, String> {
-    if WorldFile::is_one(source) {
+    if WorldFile::is_world_file(source) {
         let file = WorldFile::parse("world", source).map_err(|errors| errors.to_string())?;
         of_world(file.scene)
     } else {
@@ -71,14 +71,14 @@ fn of_world(mut scene: WorldScene) -> Result<String, String> {
             gain: actuator.gain,
         },
     };
-    let judged = as_judged(&scene);
+    let evaluated = as_evaluated(&scene);
     let mut text = String::new();
     for method in WorldScene::METHODS {
         let renderer = scene.renderer(method).map_err(|errors| {
             let errors: Vec<_> = errors.iter().map(ToString::to_string).collect();
             errors.join("; ")
         })?;
-        let mut plant = WorldPlant::new(&judged, params).map_err(|error| error.to_string())?;
+        let mut plant = WorldPlant::new(&evaluated, params).map_err(|error| error.to_string())?;
         let mut state = renderer.start();
         while plant.time() < scene.duration - 0.5 * scene.timing.period {
             let (measured, turned) = (plant.measure(), plant.measure_orientations());
@@ -92,9 +92,9 @@ fn of_world(mut scene: WorldScene) -> Result<String, String> {
                 values.extend(body.position);
                 values.extend(body.orientation);
             }
-            let books = &state.books().contacts;
-            values.extend(books.iter().map(|book| book.stored));
-            values.extend(books.iter().map(|book| book.leak()));
+            let ledger = &state.ledger().contacts;
+            values.extend(ledger.iter().map(|entry| entry.stored));
+            values.extend(ledger.iter().map(|entry| entry.leak()));
             line(&mut text, method, &values);
         }
     }

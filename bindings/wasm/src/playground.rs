@@ -169,13 +169,17 @@ impl Playground {
             mass_kg: self.settings.mass,
             virtual_force_n: self.settings.virtual_force,
             period_s: self.settings.period,
-            told: self.settings.told(&self.scene_on(self.device)),
+            model: self.settings.model(&self.scene_on(self.device)),
             lanes: lanes
                 .map(|(choice, lane)| LaneState {
                     choice: *choice,
                     running: true,
-                    trip: lane.trip().map(|trip| trip.why.clone()),
-                    trip_method: lane.trip().and_then(|trip| trip.method),
+                    safety_stop: lane
+                        .safety_stop()
+                        .map(|safety_stop| safety_stop.why.clone()),
+                    safety_stop_method: lane
+                        .safety_stop()
+                        .and_then(|safety_stop| safety_stop.method),
                 })
                 .collect(),
             recording: None,
@@ -238,7 +242,7 @@ impl Playground {
 
     fn lead(&self, target: Option<f64>) -> Result<(), String> {
         match target {
-            None => self.hand.let_go(),
+            None => self.hand.disable_output(),
             Some(target) if target.abs() <= REACH => self.hand.move_to(target),
             Some(target) => {
                 return Err(format!(

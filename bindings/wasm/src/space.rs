@@ -1,7 +1,7 @@
 //! A world in simulated time, by one or two methods, with hands that the page moves.
 
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_sim::world::as_judged;
+use palpate_sim::world::as_evaluated;
 use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::world::{PlantParams, WorldPlant};
 use palpate_world::{Motion, Sample, Shape, Vector, WorldRenderer, WorldState};
@@ -14,7 +14,7 @@ const HAND: (f64, f64) = (400.0, 20.0);
 /// Largest distance of a hand's target from its start along each axis `[m]`.
 const REACH: f64 = 0.2;
 /// Largest number of ticks per call and rendering.
-const MOST_TICKS: u32 = 2000;
+const MAX_TICKS: u32 = 2000;
 /// Largest norm of the force on a device `[N]`.
 const LARGEST_FORCE: f64 = 20.0;
 
@@ -247,7 +247,8 @@ impl SpaceLane {
             method: method.to_owned(),
             state: renderer.start(),
             renderer,
-            plant: WorldPlant::new(&as_judged(scene), params).map_err(|error| error.to_string())?,
+            plant: WorldPlant::new(&as_evaluated(scene), params)
+                .map_err(|error| error.to_string())?,
             forces: vec![[0.0; 3]; scene.devices.len()],
             refused: 0,
         })
@@ -257,7 +258,7 @@ impl SpaceLane {
     /// hand's spring is linear, so a shift of its rest position is an added force, held from tick to tick.
     fn advance(&mut self, until: f64, pulls: &[Vector]) -> u32 {
         let mut made = 0;
-        while self.plant.time() <= until && made < MOST_TICKS {
+        while self.plant.time() <= until && made < MAX_TICKS {
             let measured = self.plant.measure();
             let output = self.renderer.step(&mut self.state, &Sample::at(&measured));
             self.refused += u64::from(output.fault.is_some());
@@ -289,7 +290,7 @@ impl SpaceLane {
                 .filter(|contact| contact.penetration > 0.0)
                 .map(|contact| (contact.point, contact.force))
                 .collect(),
-            created_j: self.state.books().created(),
+            created_j: self.state.ledger().created(),
             refused: self.refused,
         }
     }

@@ -59,14 +59,14 @@ test("the cursor is in all charts, and the legends say the values there", async 
   const { x, y } = await open.middle("#chart-force .u-over");
   await open.page.mouse.move(x - 7, y);
   await open.until("all charts have it", () => palpate.charts.visible.every((chart) => chart.cursorS !== null));
-  const told = await open.until("the legend says the value there", () => {
+  const messages = await open.until("the legend says the value there", () => {
     const chart = palpate.charts.visible.find(({ what }) => what.id === "penetration");
     const { ring } = palpate.model.lanes[0];
     const value = ring.value(palpate.model.column("penetration_m"), ring.rowAt(chart.cursorS)) / chart.prefix.factor;
     const text = chart.legend.cells[0][0].textContent.replace("−", "-");
     return Math.abs(Number(text) - value) <= 0.006 * Math.max(1, Math.abs(value)) ? { text, value } : null;
   });
-  assert.ok(told.text.length > 0);
+  assert.ok(messages.text.length > 0);
   await open.leave();
   await live.end();
   live.forget();

@@ -90,7 +90,7 @@ test("a slider sets what a field sets", async () => {
   await open.page.keyboard.press("ArrowRight");
   // During this time the hand on it keeps control.
   await new Promise((go) => setTimeout(go, 600));
-  await open.told();
+  await open.messages();
   assert.equal(await at(), middle + 1);
   assert.equal(await open.get(() => palpate.model.state.virtual_force_n), 0);
   await open.leave();
@@ -110,9 +110,9 @@ test("rate and period are one thing", async () => {
   // The rows come at that rate.
   await open.pass(1.2);
   const { count } = await open.over(0, "lateness_s", 1);
-  await open.told();
+  await open.messages();
   // A missed deadline has no row.
-  const { missed_deadlines: missed } = (await open.told()).lanes[0];
+  const { missed_deadlines: missed } = (await open.messages()).lanes[0];
   assert.ok(count + missed > 240 && count <= 252, `${count} rows in a second, ${missed} deadlines missed`);
   await open.leave();
   await live.end();
@@ -198,7 +198,7 @@ test("a refusal stands where one has asked, and nothing shows what was not done"
   live.forget();
 });
 
-test("a method that trips is shown; another one, rearmed, holds the same wall", async () => {
+test("a method that safety stops is shown; another one, rearmed, holds the same wall", async () => {
   const live = await startLive("--method", "basic");
   const open = await visit(live.url);
   const dampingShown = () => !document.querySelector('[data-name="damping-1"]').closest("[hidden]");
@@ -207,25 +207,25 @@ test("a method that trips is shown; another one, rearmed, holds the same wall", 
   await open.until("it is a wall", () => palpate.model.state.mass_kg === null);
   await press(open, -0.01);
   await press(open, 0.01);
-  await open.until("it has tripped", () => palpate.model.state.lanes[0].trip !== null);
-  const banner = await open.until("the trip is shown", () => document.querySelector('[data-about="trip-1"] p')?.textContent);
+  await open.until("it has stopped", () => palpate.model.state.lanes[0].safety_stop !== null);
+  const banner = await open.until("the safety stop is shown", () => document.querySelector('[data-about="safety-stop-1"] p')?.textContent);
   assert.match(banner, /basic: no force, because .*oscillates/);
   await open.until("there is no force", () => palpate.model.newest(0, "force_on_device_n") === 0);
   await open.page.select("#method-1", "coupled");
   await open.until("it is coupled", () => palpate.model.state.lanes[0].method === "coupled");
   // The method has changed since the oscillation.
   const says = await open.until("the banner names both", () => {
-    const text = document.querySelector('[data-about="trip-1"] p')?.textContent;
+    const text = document.querySelector('[data-about="safety-stop-1"] p')?.textContent;
     return /coupled renders now/.test(text) && text;
   });
   assert.match(says, /^Lane 1: no force, because of basic, which rendered before/);
   await press(open, -0.01);
-  await open.page.click('[data-about="trip-1"] button');
-  await open.until("it is armed", () => palpate.model.state.lanes[0].trip === null);
+  await open.page.click('[data-about="safety-stop-1"] button');
+  await open.until("it is armed", () => palpate.model.state.lanes[0].safety_stop === null);
   await press(open, 0.01);
   const { forceN } = await held(open);
   assert.ok(forceN < -2, `${forceN} N`);
-  assert.equal(await open.get(() => document.querySelector('[data-about="trip-1"]')), null);
+  assert.equal(await open.get(() => document.querySelector('[data-about="safety-stop-1"]')), null);
   await open.leave();
   await live.end();
   live.forget();

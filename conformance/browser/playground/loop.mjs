@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { brotliCompressSync } from "node:zlib";
 import { FOLDER, created, play } from "./open.mjs";
 
-const MOST_BYTES = 620_000;
+const MAX_BYTES = 620_000;
 
 /** Selects a preset, and waits until it has run for this many seconds. */
 async function preset(open, id, seconds) {
@@ -51,11 +51,11 @@ test("the other presets do what they say", async (t) => {
 test("a contact that creates energy is cut off where that is asked for, and comes back", async () => {
   // 600 N/m at 50 Hz: the cube jumps ever higher.
   const { open, leave } = await play("#mass_kg=0.05&virtual_force_n=-0.4905&period_s=0.02&cut_off=yes");
-  await open.until("it is cut off", () => palpate.model.state.lanes[0].trip !== null);
+  await open.until("it is cut off", () => palpate.model.state.lanes[0].safety_stop !== null);
   assert.match(await open.get(() => document.querySelector("#banners").textContent), /^basic: no force, because /);
-  assert.equal(await open.get(() => palpate.model.state.lanes[1].trip), null);
+  assert.equal(await open.get(() => palpate.model.state.lanes[1].safety_stop), null);
   await open.page.click("#cut-off");
-  await open.until("it is not", () => palpate.model.state.lanes[0].trip === null && palpate.model.state.device.cut_off === false);
+  await open.until("it is not", () => palpate.model.state.lanes[0].safety_stop === null && palpate.model.state.device.cut_off === false);
   await open.until("nothing is said of it", () => document.querySelector("#banners").textContent === "");
   await leave();
 });
@@ -150,7 +150,7 @@ test("nothing comes from anywhere else, nothing is missing, and all of it is sma
   const bytes = [...new Set(files)].map((file) => brotliCompressSync(readFileSync(join(FOLDER, file))).length);
   const sum = bytes.reduce((sum, size) => sum + size, 0);
   t.diagnostic(`${bytes.length} files, ${sum} bytes compressed; first picture ${Math.round(await open.get(() => palpate.counted.firstPictureMs))} ms after the page was asked for`);
-  assert.ok(sum < MOST_BYTES, `${sum} bytes`);
+  assert.ok(sum < MAX_BYTES, `${sum} bytes`);
   await leave();
 });
 

@@ -13,7 +13,7 @@ const HELLO = {
 };
 
 function stateOf(changes = {}) {
-  const lane = (method) => ({ method, damping_n_s_per_m: null, running: true, trip: null });
+  const lane = (method) => ({ method, damping_n_s_per_m: null, running: true, safety_stop: null });
   const base = { stiffness_n_per_m: 400, mass_kg: 0.1, virtual_force_n: -1, period_s: 0.001, recording: null, hand_m: 0 };
   return { type: "state", ...base, lanes: [lane("basic"), lane("coupled")], ...changes };
 }
@@ -134,7 +134,7 @@ test("another scene begins anew, though its run has the number of the one before
   });
   model.takeSamples(frame({ times: [90] }));
   model.takeSamples(frame({ times: [91], number: 2 }));
-  model.take({ type: "note", lane: 0, t_s: 90, kind: "tripped", text: "of the one before" });
+  model.take({ type: "note", lane: 0, t_s: 90, kind: "stopped", text: "of the one before" });
   model.take(HELLO);
   assert.deepEqual([anew, model.notes.length, model.droppedFrames], [1, 1, 1], "the same again is no other");
   model.take({ ...HELLO, title: "another scene" });

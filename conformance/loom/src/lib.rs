@@ -1,1 +1,1 @@
-//! Tests only; see `tests/told.rs`.
+//! Tests only; see `tests/messages.rs`.

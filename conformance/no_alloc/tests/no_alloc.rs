@@ -452,7 +452,7 @@ fn contact_with_an_engine_s_body_allocates_nothing() {
     use palpate_world::engine::{
         BodyNow, BodyWrench, EngineBody, EngineRenderer, PlacedShape, Stepping,
     };
-    use palpate_world::{ContactLaw, CoupledParams, NOT_TURNED, Sample, Shape, Tool, WorldLoop};
+    use palpate_world::{ContactLaw, CoupledParams, IDENTITY, Sample, Shape, Tool, WorldLoop};
     let body = EngineBody {
         name: "block".into(),
         shapes: vec![PlacedShape {
@@ -460,15 +460,15 @@ fn contact_with_an_engine_s_body_allocates_nothing() {
                 half_extents: [0.02; 3],
             },
             position: [0.0; 3],
-            orientation: NOT_TURNED,
+            orientation: IDENTITY,
         }],
         law: ContactLaw::spring(2000.0).with_friction(0.5),
     };
     let tools = [Tool::new("tool", Shape::Sphere { radius: 0.01 })];
     let params = CoupledParams::new(vec![[0.1, 0.2, f64::INFINITY]]);
-    let in_loop = WorldLoop::new(0.001);
+    let loop_params = WorldLoop::new(0.001);
     let renderer =
-        EngineRenderer::new(&tools, &[body], Stepping::EndVelocity, in_loop, params).unwrap();
+        EngineRenderer::new(&tools, &[body], Stepping::EndVelocity, loop_params, params).unwrap();
     let mut state = renderer.start();
     let mut now = BodyNow::fixed([0.0; 3]);
     for axis in 0..6 {

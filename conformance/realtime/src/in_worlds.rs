@@ -5,8 +5,10 @@ use std::path::Path;
 
 use palpate_device::clock::SteppedClock;
 use palpate_device::{Device, DeviceErrorKind, ScriptedDevice, Step};
-use palpate_rt::safety::{SafetyParams, Trip};
-use palpate_rt::{ControlLoop, RenderedWorld, Told, WorldFrame, changing_world, local_world, tap};
+use palpate_rt::safety::{SafetyParams, SafetyStop};
+use palpate_rt::{
+    ControlLoop, Message, RenderedWorld, WorldFrame, changing_world, local_world, tap,
+};
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_sim::device::{SpatialDevice, SpatialHand, SpatialPointer};
 use palpate_world::engine::BodyNow;
@@ -60,12 +62,12 @@ pub fn worlds(watch: &mut Watch) {
                 forces += usize::from(force != [0.0; 3]);
             }
             let bodies = listener.by_ref().filter(
-                |told| matches!(told, Told::Tick(_, contacts, bodies, _) if !contacts.is_empty() && bodies.len() > 1),
+                |messages| matches!(messages, Message::Tick(_, contacts, bodies, _) if !contacts.is_empty() && bodies.len() > 1),
             );
-            let told = bodies.count();
+            let messages = bodies.count();
             assert!(
-                told > 10 || name.contains("groove"),
-                "{name}: {told} ticks with bodies"
+                messages > 10 || name.contains("groove"),
+                "{name}: {messages} ticks with bodies"
             );
         }
         assert!(forces > 50, "{name}: {forces} ticks with a force");
@@ -96,7 +98,7 @@ pub fn six_axes(watch: &mut Watch) {
                 ControlLoop::of_world(device, clock, world, SafetyParams::default()).unwrap();
             let [x, y, z] = own.position;
             turn(&mut control, name, watch, |tick| match tick % 100 {
-                0 => hand.let_go(),
+                0 => hand.disable_output(),
                 10 => hand.move_to([x, y, z - 0.025]),
                 40 => hand.turn_to([1.0, 0.05, 0.1, 0.0]),
                 80 => hand.turn_back(),
@@ -151,9 +153,9 @@ pub fn worlds_that_change(watch: &mut Watch) {
                 }
             }
             watch(&mut || {
-                let told = control.tick().tick;
-                forces += usize::from(told.commanded_force != [0.0; 3]);
-                seen = told.generation;
+                let messages = control.tick().tick;
+                forces += usize::from(messages.commanded_force != [0.0; 3]);
+                seen = messages.generation;
             });
         }
         assert_eq!(seen, worlds.generation(), "{name}");
@@ -195,8 +197,8 @@ pub fn a_slow_host(watch: &mut Watch) {
             host.publish(progress.tick, &[body], &contacts).unwrap();
         }
         watch(&mut || {
-            let told = control.tick().tick;
-            forces += usize::from(told.commanded_force != [0.0; 3]);
+            let messages = control.tick().tick;
+            forces += usize::from(messages.commanded_force != [0.0; 3]);
         });
         stale += usize::from(host.progress().is_stale);
     }
@@ -210,12 +212,15 @@ pub fn faults_in_a_world(watch: &mut Watch) {
         ..SafetyParams::default()
     };
     let pressed = Step::At([0.0, 0.0, 0.048]);
-    for (fault, trip) in [
-        (Step::At([0.0, f64::NAN, 0.0]), Trip::NotANumber),
-        (Step::Stale, Trip::StaleSample),
-        (Step::At([0.0, 0.0, 0.3]), Trip::OutsideWorkspace),
-        (Step::At([0.1, 0.0, 0.048]), Trip::TooFast),
-        (Step::Fails(DeviceErrorKind::Refused), Trip::DeviceRefused),
+    for (fault, safety_stop) in [
+        (Step::At([0.0, f64::NAN, 0.0]), SafetyStop::NotANumber),
+        (Step::Stale, SafetyStop::StaleSample),
+        (Step::At([0.0, 0.0, 0.3]), SafetyStop::OutsideWorkspace),
+        (Step::At([0.1, 0.0, 0.048]), SafetyStop::TooFast),
+        (
+            Step::Fails(DeviceErrorKind::Refused),
+            SafetyStop::DeviceRefused,
+        ),
     ] {
         let mut script = vec![pressed; 20];
         script.extend([fault; 5]);
@@ -224,13 +229,13 @@ pub fn faults_in_a_world(watch: &mut Watch) {
         let device = ScriptedDevice::new(clock.clone(), 3, script);
         let world = rendered(&scene, "coupled");
         let mut control = ControlLoop::of_world(device, clock, world, limits).unwrap();
-        let mut tripped = false;
+        let mut stopped = false;
         for _ in 0..60 {
             watch(&mut || {
                 black_box(control.tick());
             });
-            tripped |= control.trip() == Some(trip);
+            stopped |= control.safety_stop() == Some(safety_stop);
         }
-        assert!(tripped, "{fault:?}: {:?}", control.trip());
+        assert!(stopped, "{fault:?}: {:?}", control.safety_stop());
     }
 }

@@ -87,10 +87,10 @@ pub fn commit(misdeed: Misdeed, watch: &mut Watch) {
 /// Starts a thread that already holds `lock` on return, and keeps it for a while.
 fn hold(lock: &Arc<Mutex<u32>>) -> thread::JoinHandle<()> {
     let lock = Arc::clone(lock);
-    let (told, holds) = mpsc::channel();
+    let (messages, holds) = mpsc::channel();
     let holder = thread::spawn(move || {
         let _held = lock.lock().unwrap();
-        told.send(()).unwrap();
+        messages.send(()).unwrap();
         thread::sleep(WHILE);
     });
     holds.recv().unwrap();

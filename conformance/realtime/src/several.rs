@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use palpate_device::clock::SteppedClock;
 use palpate_device::{Device, DeviceErrorKind, ScriptedDevice, Step, Wrench};
-use palpate_rt::safety::{SafetyParams, Trip};
-use palpate_rt::{ControlLoop, RenderedWorld, Told, WorldFrame, tap};
+use palpate_rt::safety::{SafetyParams, SafetyStop};
+use palpate_rt::{ControlLoop, Message, RenderedWorld, WorldFrame, tap};
 use palpate_scene::world::WorldScene;
 use palpate_sim::device::SpatialDevice;
 
@@ -52,9 +52,10 @@ pub fn a_pinch(watch: &mut Watch) {
             forces += usize::from(said.clone().all(|said| said.commanded_force != [0.0; 3]));
         }
         assert!(forces > 50, "{method}: {forces} ticks with two forces");
-        let told =
-            listener.filter(|told| matches!(told, Told::Tick(.., devices) if devices.len() == 2));
-        assert_eq!(told.count(), 300);
+        let messages = listener.filter(
+            |messages| matches!(messages, Message::Tick(.., devices) if devices.len() == 2),
+        );
+        assert_eq!(messages.count(), 300);
     }
 }
 
@@ -69,15 +70,15 @@ pub fn faults_of_each(watch: &mut Watch) {
     let places = [[-0.0195, 0.0005, 0.016], [0.0195, -0.0003, 0.016]];
     for at_fault in [0, 1] {
         let place = places[at_fault];
-        for (fault, trip) in [
-            (Step::At([f64::NAN; 3]), Trip::NotANumber),
-            (Step::Stale, Trip::StaleSample),
-            (Step::Fails(NothingNew), Trip::StaleSample),
-            (Step::At([0.0, 0.0, 0.3]), Trip::OutsideWorkspace),
-            (Step::At([0.0, 0.1, 0.1]), Trip::TooFast),
-            (Step::Fails(Refused), Trip::DeviceRefused),
-            (Step::Fails(Disconnected), Trip::DeviceLost),
-            (Step::RefusesForce(place), Trip::DeviceRefused),
+        for (fault, safety_stop) in [
+            (Step::At([f64::NAN; 3]), SafetyStop::NotANumber),
+            (Step::Stale, SafetyStop::StaleSample),
+            (Step::Fails(NothingNew), SafetyStop::StaleSample),
+            (Step::At([0.0, 0.0, 0.3]), SafetyStop::OutsideWorkspace),
+            (Step::At([0.0, 0.1, 0.1]), SafetyStop::TooFast),
+            (Step::Fails(Refused), SafetyStop::DeviceRefused),
+            (Step::Fails(Disconnected), SafetyStop::DeviceLost),
+            (Step::RefusesForce(place), SafetyStop::DeviceRefused),
         ] {
             let clock = SteppedClock::new();
             let devices = [0, 1].map(|device| {
@@ -90,7 +91,7 @@ pub fn faults_of_each(watch: &mut Watch) {
             });
             let (tap, _listener) = tap(1000);
             let mut control = two(&scene, "coupled", devices, clock, limits).tapped(tap);
-            let mut has_tripped = false;
+            let mut has_stopped = false;
             for tick in 0..60 {
                 if tick == 50 {
                     control.rearm().store(true, Ordering::Release);
@@ -98,10 +99,10 @@ pub fn faults_of_each(watch: &mut Watch) {
                 watch(&mut || {
                     black_box(control.tick());
                 });
-                has_tripped |= control.tripped_device() == Some((at_fault, trip));
+                has_stopped |= control.stopped_device() == Some((at_fault, safety_stop));
             }
-            assert!(has_tripped, "device {at_fault}, {fault:?}");
-            assert_eq!(control.trip(), None, "device {at_fault}, {fault:?}");
+            assert!(has_stopped, "device {at_fault}, {fault:?}");
+            assert_eq!(control.safety_stop(), None, "device {at_fault}, {fault:?}");
         }
     }
 }
@@ -109,7 +110,7 @@ pub fn faults_of_each(watch: &mut Watch) {
 /// Arbitrary readings of two devices. After a safety stop of one, neither is commanded a force.
 pub fn anything_of_two(watch: &mut Watch) {
     let scene = world_scene("worlds/pinch.toml");
-    let (mut tripped, mut on) = (0, 0);
+    let (mut stopped, mut on) = (0, 0);
     for seed in 0..200 {
         let mut random = fastrand::Rng::with_seed(seed);
         let limits = SafetyParams {
@@ -139,17 +140,17 @@ pub fn anything_of_two(watch: &mut Watch) {
                 black_box(control.tick());
             });
             let mut asked = control.devices().map(|device| device.asked);
-            if control.trip().is_some() {
-                tripped += 1;
+            if control.safety_stop().is_some() {
+                stopped += 1;
                 assert!(
                     asked.all(|asked| asked == Wrench::NONE),
                     "{:?}",
-                    control.trip()
+                    control.safety_stop()
                 );
             } else {
                 on += usize::from(asked.any(|asked| asked != Wrench::NONE));
             }
         }
     }
-    assert!(tripped > 1000 && on > 100, "{tripped}, {on}");
+    assert!(stopped > 1000 && on > 100, "{stopped}, {on}");
 }

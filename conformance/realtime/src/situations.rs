@@ -11,8 +11,8 @@ use std::time::Duration;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_device::{Device, DeviceErrorKind, NullDevice, ReplayDevice, ScriptedDevice, Step};
 use palpate_record::recording::Flags;
-use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
-use palpate_rt::{ControlLoop, Ending, Note, StopFlag, Told, tap};
+use palpate_rt::safety::{OscillationParams, SafetyParams, SafetyStop};
+use palpate_rt::{ControlLoop, Ending, Message, Note, StopFlag, tap};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, beside};
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
@@ -150,7 +150,7 @@ fn replay(watch: &mut Watch) {
     let rendering = scene("wall.toml").rendering(MethodName::Hfcr).unwrap();
     let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
     ticks(&mut control, 600, watch);
-    assert_eq!(control.trip(), Some(Trip::DeviceLost));
+    assert_eq!(control.safety_stop(), Some(SafetyStop::DeviceLost));
 }
 
 fn faults(watch: &mut Watch) {
@@ -161,17 +161,20 @@ fn faults(watch: &mut Watch) {
         ..SafetyParams::default()
     };
     let faults = [
-        (Step::At([f64::NAN; 3]), Trip::NotANumber),
-        (Step::At([f64::INFINITY; 3]), Trip::NotANumber),
-        (Step::Stale, Trip::StaleSample),
-        (Step::Fails(NothingNew), Trip::StaleSample),
-        (at(60.0), Trip::OutsideWorkspace),
-        (at(40.0), Trip::TooFast),
-        (Step::Fails(Refused), Trip::DeviceRefused),
-        (Step::Fails(Disconnected), Trip::DeviceLost),
-        (Step::RefusesForce([1e-3, 0.0, 0.0]), Trip::DeviceRefused),
+        (Step::At([f64::NAN; 3]), SafetyStop::NotANumber),
+        (Step::At([f64::INFINITY; 3]), SafetyStop::NotANumber),
+        (Step::Stale, SafetyStop::StaleSample),
+        (Step::Fails(NothingNew), SafetyStop::StaleSample),
+        (at(60.0), SafetyStop::OutsideWorkspace),
+        (at(40.0), SafetyStop::TooFast),
+        (Step::Fails(Refused), SafetyStop::DeviceRefused),
+        (Step::Fails(Disconnected), SafetyStop::DeviceLost),
+        (
+            Step::RefusesForce([1e-3, 0.0, 0.0]),
+            SafetyStop::DeviceRefused,
+        ),
     ];
-    for (fault, trip) in faults {
+    for (fault, safety_stop) in faults {
         let mut script = vec![at(1.0); 20];
         script.extend([fault; 5]);
         script.push(at(1.0));
@@ -182,15 +185,18 @@ fn faults(watch: &mut Watch) {
         control.rearm().store(true, Ordering::Release);
         ticks(&mut control, 300, watch);
         let notes: Vec<Note> = listener
-            .filter_map(|told| match told {
-                Told::Note(noted) => Some(noted.note),
-                Told::Tick(..) => None,
+            .filter_map(|messages| match messages {
+                Message::Note(noted) => Some(noted.note),
+                Message::Tick(..) => None,
             })
             .collect();
-        assert!(notes.contains(&Note::Tripped(trip)), "{fault:?}: {notes:?}");
+        assert!(
+            notes.contains(&Note::Stopped(safety_stop)),
+            "{fault:?}: {notes:?}"
+        );
         let rearmed = notes.contains(&Note::Rearmed);
-        assert_eq!(rearmed, !trip.is_passing(), "{fault:?}: {notes:?}");
-        assert_eq!(control.trip(), None, "{fault:?}");
+        assert_eq!(rearmed, !safety_stop.is_passing(), "{fault:?}: {notes:?}");
+        assert_eq!(control.safety_stop(), None, "{fault:?}");
     }
 }
 
@@ -204,9 +210,9 @@ fn limits(watch: &mut Watch) {
     let (tap, listener) = tap(1000);
     let mut control = control.tapped(tap);
     ticks(&mut control, 400, watch);
-    let limited = listener.filter(|told| match told {
-        Told::Tick(tick, ..) => tick.flags.has(Flags::SAFETY_LIMITED),
-        Told::Note(_) => false,
+    let limited = listener.filter(|messages| match messages {
+        Message::Tick(tick, ..) => tick.flags.has(Flags::SAFETY_LIMITED),
+        Message::Note(_) => false,
     });
     assert_eq!(limited.count(), 400);
 }
@@ -216,7 +222,7 @@ fn oscillation(watch: &mut Watch) {
     buzzing.contact.stiffness *= 4.0;
     let mut control = simulated(&buzzing, MethodName::Basic, SafetyParams::default());
     ticks(&mut control, 2000, watch);
-    assert_eq!(control.trip(), Some(Trip::Oscillation));
+    assert_eq!(control.safety_stop(), Some(SafetyStop::Oscillation));
 }
 
 /// Returns limits that are never reached here.
@@ -324,7 +330,7 @@ fn a_pointer(watch: &mut Watch) {
             ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
         for number in 0..60 {
             match number % 6 {
-                5 => hand.let_go(),
+                5 => hand.disable_output(),
                 place => hand.move_to(0.01 * f64::from(place)),
             }
             ticks(&mut control, 10, watch);

@@ -436,7 +436,7 @@ struct Answer {
 /// Path of the heaviest device without a response `[m]`: twenty times the step of the coarsest sensor.
 const LONGEST_WAY: f64 = 2e-3;
 /// Largest ratio of Coulomb friction to the largest force: calibration declines above it.
-const MOST_FRICTION: f64 = 0.6;
+const MAX_FRICTION: f64 = 0.6;
 /// Largest force-free range that counts as sensor noise `[m]`. A larger range comes from the hand, and the response
 /// need not exceed it.
 const STILL: f64 = 5e-5;
@@ -472,7 +472,7 @@ impl Answer {
             ..
         } = *params;
         let force = force.abs();
-        let moving = (force - MOST_FRICTION * largest_force).max(0.0);
+        let moving = (force - MAX_FRICTION * largest_force).max(0.0);
         let [shortest, longest] = [0, 1].map(|end| HOLD[end] + HOLD_PERIODS[end] * period);
         // a t^2 / 2 in each hold of t.
         self.expected += 0.5 * moving / HEAVIEST * 0.5 * (shortest + longest) * period;

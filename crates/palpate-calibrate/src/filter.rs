@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::model::{Kind, LENGTH, Sampled};
 
 /// Maximum number of doublings until the covariance converges; each one doubles the elapsed time.
-const MOST_DOUBLINGS: usize = 40;
+const MAX_DOUBLINGS: usize = 40;
 
 /// Input of the filter.
 #[derive(Clone, Debug)]
@@ -53,7 +53,7 @@ pub fn steady(model: &Sampled) -> Option<Steady> {
     let mut g = DMatrix::<f64>::zeros(n, n);
     g[(0, 0)] = 1.0;
     let mut before = model.noise.clone();
-    for _ in 0..MOST_DOUBLINGS {
+    for _ in 0..MAX_DOUBLINGS {
         let lu = (&identity + &g * &before).lu();
         let w_a = lu.solve(&a)?;
         let w_g = lu.solve(&g)?;

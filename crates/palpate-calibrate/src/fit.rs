@@ -27,7 +27,7 @@ const DELAY_MODEL: f64 = 0.002;
 const DELAY_MODEL_PERIOD: f64 = 0.004;
 const MASS_MODEL: f64 = 0.003;
 /// Longest lag in the search `[s]`.
-const MOST_LAG: f64 = 0.006;
+const MAX_LAG: f64 = 0.006;
 /// Deviations from the prior mean up to which the prior of a lag is normal. Motors beyond it are rare but exist, so
 /// from there the cost grows only with the logarithm of the distance.
 const NORMAL_LAG: f64 = 3.0;
@@ -77,7 +77,7 @@ impl Fit {
     /// Returns the upper limit of the lag `[s]` if the fit has reached it.
     pub fn longest_lag(&self, period: f64) -> Option<f64> {
         let square = self.point[at::LAG_SQUARED] * period * period;
-        (square >= 0.99 * MOST_LAG * MOST_LAG).then_some(MOST_LAG)
+        (square >= 0.99 * MAX_LAG * MAX_LAG).then_some(MAX_LAG)
     }
 
     /// Returns the negative log-likelihood without the terms common to all fits of these samples.
@@ -121,7 +121,7 @@ pub fn problem(
     let bounds = [
         (ln_mobility - 2.0, ln_mobility + 2.0),
         (0.01, most_delay + 1.0),
-        (0.0, (MOST_LAG / t).powi(2)),
+        (0.0, (MAX_LAG / t).powi(2)),
         free,
         free,
         free,
@@ -134,7 +134,7 @@ pub fn problem(
         (0.01_f64.ln(), 0.4_f64.ln()),
         (-4.0, 4.0),
         (
-            LEAST_ANTIRESONANCE.ln(),
+            MIN_ANTIRESONANCE.ln(),
             (0.4 * std::f64::consts::TAU / t).min(4000.0).ln(),
         ),
         (0.002, 0.5),
@@ -534,8 +534,8 @@ pub struct Fits {
 }
 
 /// Lowest frequency of the second mass alone on its spring `[rad/s]`, and the lowest one for a slow spring.
-const LEAST_ANTIRESONANCE: f64 = 250.0;
-const LEAST_SLOW_ANTIRESONANCE: f64 = 60.0;
+const MIN_ANTIRESONANCE: f64 = 250.0;
+const MIN_SLOW_ANTIRESONANCE: f64 = 60.0;
 
 /// Fits one mass and two masses.
 pub fn fits(mut problem: Problem, sensor: f64) -> Option<Fits> {
@@ -544,8 +544,8 @@ pub fn fits(mut problem: Problem, sensor: f64) -> Option<Fits> {
     let starts = [70.0, 105.0, 160.0, 240.0, 360.0];
     let fit = |starts: &[f64], least| flexible(&rigid, starts, least).and_then(Problem::finish);
     Some(Fits {
-        flexible: fit(&starts, LEAST_ANTIRESONANCE),
-        slow: fit(&[15.0, 37.0], LEAST_SLOW_ANTIRESONANCE),
+        flexible: fit(&starts, MIN_ANTIRESONANCE),
+        slow: fit(&[15.0, 37.0], MIN_SLOW_ANTIRESONANCE),
         rigid: rigid.finish()?,
     })
 }

@@ -4,7 +4,7 @@ use crate::calibration::{Calibration, Known};
 use crate::quantity::Quantity;
 
 /// Relative standard deviation above which a gain is not reported.
-const MOST_DEVIATION: f64 = 0.2;
+const MAX_DEVIATION: f64 = 0.2;
 
 /// Quantities measured in commanded newtons, converted to newtons once the gain is known.
 const COMMANDED: [Quantity; 4] = [
@@ -74,7 +74,7 @@ impl Calibration {
 }
 
 fn gain(value: f64, relative: f64, by: String) -> Option<Known> {
-    let is_known = value > 0.0 && value.is_finite() && (0.0..MOST_DEVIATION).contains(&relative);
+    let is_known = value > 0.0 && value.is_finite() && (0.0..MAX_DEVIATION).contains(&relative);
     is_known.then(|| Known::found(value, value * relative, by))
 }
 

@@ -12,19 +12,19 @@ use crate::quantum::quantum;
 use crate::start::start;
 
 /// Longest delay plus lag in the search `[s]`, and in periods if that is longer.
-const MOST_DELAY: f64 = 0.012;
-const MOST_DELAY_PERIODS: f64 = 4.0;
+const MAX_DELAY: f64 = 0.012;
+const MAX_DELAY_PERIODS: f64 = 4.0;
 /// Ratio of Coulomb friction to the largest force above which a fit is rejected.
-const MOST_FRICTION: f64 = 0.6;
+const MAX_FRICTION: f64 = 0.6;
 /// Standard deviations above which the fit is rejected: of delay plus lag `[periods]` or `[s]`, whichever is larger,
 /// and of ln mass.
-const MOST_DELAY_DEVIATION: f64 = 0.3;
-const MOST_DELAY_DEVIATION_SECONDS: f64 = 3e-4;
-const MOST_MASS_DEVIATION: f64 = 0.1;
+const MAX_DELAY_DEVIATION: f64 = 0.3;
+const MAX_DELAY_DEVIATION_SECONDS: f64 = 3e-4;
+const MAX_MASS_DEVIATION: f64 = 0.1;
 /// Damping over mass `[1/s]` above which the device is held and does not move as a mass: hands have 15 to 50.
-const MOST_DAMPING: f64 = 120.0;
+const MAX_DAMPING: f64 = 120.0;
 /// Smallest motion for a fit `[steps of the sensor]`, root mean square.
-const LEAST_MOTION: f64 = 3.0;
+const MIN_MOTION: f64 = 3.0;
 /// Gain in log-likelihood that a resonance requires in addition to the cost of three parameters.
 const RESONANCE_MARGIN: f64 = 25.0;
 /// The margin for the resonance of a slow spring, below [`SLOW_RESONANCE`] `[Hz]`, where a hand looks like a resonance.
@@ -33,10 +33,10 @@ const SLOW_RESONANCE: f64 = 60.0;
 /// Highest resonance `[cycles per period]`: above it, friction errors look like a resonance.
 const HIGHEST_RESONANCE: f64 = 0.33;
 /// Smallest fraction of the mass beyond a transmission: below it, friction errors look like a resonance.
-const LEAST_FRACTION: f64 = 0.12;
+const MIN_FRACTION: f64 = 0.12;
 
 /// Smallest fraction of the mean square of the second differences that a first guess attributes to the sensor.
-const LEAST_OF_MEAN: f64 = 0.1;
+const MIN_OF_MEAN: f64 = 0.1;
 
 /// Reason for declining a calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -200,11 +200,11 @@ pub fn measure(
     let quantum = quantum(positions);
     let sensor = sensor_noise(positions, quantum);
     let not_moved = Declined::NotMoved { motion };
-    if motion < LEAST_MOTION * quantum.unwrap_or(sensor) {
+    if motion < MIN_MOTION * quantum.unwrap_or(sensor) {
         return Err(not_moved);
     }
     let samples = Samples::new(positions, commands);
-    let most_delay = (MOST_DELAY / period).max(MOST_DELAY_PERIODS);
+    let most_delay = (MAX_DELAY / period).max(MAX_DELAY_PERIODS);
     let begin = start(&samples, period, most_delay).ok_or(not_moved)?;
     let problem = fit::problem(samples, period, excited, begin, sensor, most_delay);
     let fits = fit::fits(problem, sensor).ok_or(Declined::NoFit)?;
@@ -232,7 +232,7 @@ fn best(fits: Fits, period: f64) -> Fit {
     } = fits;
     let price = 1.5 * (rigid.count as f64).ln();
     let is_worth = |fit: &Fit, margin: f64| {
-        rigid.cost() - fit.cost() > price + margin && fit.fraction() > LEAST_FRACTION
+        rigid.cost() - fit.cost() > price + margin && fit.fraction() > MIN_FRACTION
     };
     let flexible = flexible.filter(|fit| fit.resonance() * period < HIGHEST_RESONANCE);
     let flexible = flexible.filter(|fit| is_worth(fit, RESONANCE_MARGIN));
@@ -256,20 +256,20 @@ fn best(fits: Fits, period: f64) -> Fit {
 fn check(fit: &Fit, period: f64, force: f64) -> Result<(), Declined> {
     let mass = (-fit.point[at::LN_MOBILITY]).exp();
     let friction = fit.point[at::FRICTION] * mass;
-    if friction > MOST_FRICTION * force {
+    if friction > MAX_FRICTION * force {
         return Err(Declined::Friction { friction, force });
     }
     if let Some(longest) = fit.longest_lag(period) {
         return Err(Declined::LongLag { longest });
     }
     let damping = fit.point[at::DAMPING];
-    if damping > MOST_DAMPING {
+    if damping > MAX_DAMPING {
         return Err(Declined::Held { damping, force });
     }
     let delay = fit.deviation[at::DELAY_PLUS_LAG];
     let of_mass = fit.deviation[at::LN_MOBILITY];
     let most_delay = most_delay_deviation(period);
-    let is_known = delay <= most_delay && of_mass <= MOST_MASS_DEVIATION;
+    let is_known = delay <= most_delay && of_mass <= MAX_MASS_DEVIATION;
     if !is_known {
         return Err(Declined::Uncertain {
             delay: delay * period,
@@ -281,7 +281,7 @@ fn check(fit: &Fit, period: f64, force: f64) -> Result<(), Declined> {
 
 /// Standard deviation of delay and lag above which neither is reported `[periods]`.
 fn most_delay_deviation(period: f64) -> f64 {
-    MOST_DELAY_DEVIATION.max(MOST_DELAY_DEVIATION_SECONDS / period)
+    MAX_DELAY_DEVIATION.max(MAX_DELAY_DEVIATION_SECONDS / period)
 }
 
 fn deviation(values: &[f64]) -> f64 {
@@ -305,7 +305,7 @@ fn sensor_noise(positions: &[f64], quantum: Option<f64>) -> f64 {
     squares.sort_by(f64::total_cmp);
     let median = squares.get(squares.len() / 2).copied().unwrap_or(0.0);
     let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
-    let square = (0.3 * median / 0.455).max(LEAST_OF_MEAN * mean);
+    let square = (0.3 * median / 0.455).max(MIN_OF_MEAN * mean);
     (square / 6.0).sqrt().max(1e-9)
 }
 

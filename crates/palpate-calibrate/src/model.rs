@@ -24,7 +24,7 @@ const DISTURBANCE_DECAY: f64 = 0.5;
 /// Tremor of hands `[Hz]`.
 const TREMOR: [f64; 2] = [4.0, 20.0];
 /// Shortest lag that is computed `[periods]`; below it the force steps.
-const LEAST_LAG: f64 = 0.004;
+const MIN_LAG: f64 = 0.004;
 
 /// Indices of the fit's parameters in [`Point`].
 pub mod at {
@@ -144,7 +144,7 @@ pub fn sampled(kind: Kind, point: &Point, period: f64) -> Sampled {
     let mobility = point[at::LN_MOBILITY].exp() * t * t / LENGTH;
     let tau = lag(point);
     let delay = (point[at::DELAY_PLUS_LAG] - tau).max(0.0);
-    let tau = tau.max(LEAST_LAG);
+    let tau = tau.max(MIN_LAG);
     let damping = point[at::DAMPING] * t;
     let stiffness = point[at::STIFFNESS] * t * t;
     let level = |at: usize| point[at].clamp(-60.0, 40.0).exp();

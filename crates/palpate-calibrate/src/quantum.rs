@@ -31,12 +31,12 @@ pub fn quantum(positions: &[f64]) -> Option<f64> {
         (steps - steps.round()).abs() < TOLERANCE
     };
     // A change of many steps carries no information if the step is not known to as many digits.
-    let told: Vec<&f64> = changes
+    let model: Vec<&f64> = changes
         .iter()
         .filter(|change| **change < 100.0 * step)
         .collect();
-    let whole = told.iter().filter(|change| is_whole(change)).count();
-    (told.len() >= 20 && whole as f64 >= WHOLE * told.len() as f64).then_some(step)
+    let whole = model.iter().filter(|change| is_whole(change)).count();
+    (model.len() >= 20 && whole as f64 >= WHOLE * model.len() as f64).then_some(step)
 }
 
 #[cfg(test)]

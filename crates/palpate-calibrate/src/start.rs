@@ -9,7 +9,7 @@ use crate::model::LENGTH;
 /// to the hand's motion.
 const SPACING: f64 = 0.012;
 /// Maximum number of samples.
-const MOST_SAMPLES: usize = 8000;
+const MAX_SAMPLES: usize = 8000;
 /// Number of columns: the motion by the command, its derivative by the delay, a constant, the position and the
 /// velocity.
 const COLUMNS: usize = 5;
@@ -61,7 +61,7 @@ impl<'a> Differences<'a> {
             samples,
             spacing,
             first: 2 * spacing + most_delay.ceil() as usize + 2,
-            stride: samples.positions.len().div_ceil(MOST_SAMPLES),
+            stride: samples.positions.len().div_ceil(MAX_SAMPLES),
         }
     }
 

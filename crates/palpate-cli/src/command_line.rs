@@ -212,7 +212,7 @@ Run a loop in real time, on a device.
 A thread of its own wakes at absolute deadlines, reads the device, renders, and commands what safety \
 lets through: it is the first to be served if the machine grants that, and says so if not. Ctrl-C \
 ends it; whatever ends it, the device is commanded no force, and while the thread does not answer a \
-supervisor does that. For a device that holds its last force a guardian, a process of its own, does that \
+supervisor does that. For a device that holds its last force a watchdog, a process of its own, does that \
 if this one is killed or stopped. A deadline that is missed is counted and skipped, and the renderer is told the \
 time that really passed. Flags change values of the scene. A world (format = 2) is rendered on one device \
 with up to three axes; docs/worlds.md says where the device stands in it.")]
@@ -289,7 +289,7 @@ Examples:
     Emulate(EmulateArguments),
     /// Disable the output of a device if its loop cannot; started by the commands that run a loop
     #[command(hide = true)]
-    Guardian,
+    Watchdog,
     /// Report the real-time properties of this machine, and try a loop
     #[command(long_about = "\
 Ask what this machine grants a loop, and try one.
@@ -326,7 +326,7 @@ Examples:
     #[command(long_about = "\
 Write a recording as a table: one line per tick, and one per event in a table of their own.
 
-What is missing from the recording is said on standard error, in the table's receipt, and by exit \
+What is missing from the recording is said on standard error, in the table's metadata, and by exit \
 code 4; the table is written all the same.")]
     #[command(after_help = "\
 Examples:
@@ -338,7 +338,7 @@ Examples:
     #[command(long_about = "\
 Render a recording by another method.
 
-Contact, loop, settings and device are those of the scene in the recording's receipt; flags change \
+Contact, loop, settings and device are those of the scene in the recording's metadata; flags change \
 them. The object starts as it was at the first tick. What was recorded is drawn beside the methods.
 
 Motion replay, the default: the device goes where it went, when it went there, whatever the force. That tells \
@@ -373,7 +373,7 @@ print it on two sheets of A4. Everything on it comes from recordings, from a cal
 from a simulation with their numbers, and the page says which. Each warning has a remedy.
 
 With --device, a short session is recorded first, as `palpate record` does, with the same safety, \
-supervisor and guardian; 5 s unless --duration says otherwise. The force comes on when the device is moved into \
+supervisor and watchdog; 5 s unless --duration says otherwise. The force comes on when the device is moved into \
 the wall at 0, or into what the --scene has. The recording stays beside the page.
 
 What can be rendered is a coarse map with the mass, period, delay, lag, gain, friction and sensor of this \
@@ -432,11 +432,11 @@ Examples:
 Judge methods on scenes from 21 start heights.
 
 The gap between device and object is changed by up to 5 %: an error that holds at one height only \
-is an accident. --told-mass-factor tells the renderer a wrong mass of the device. Settings are the \
+is an accident. --model-mass-factor tells the renderer a wrong mass of the device. Settings are the \
 scene's.")]
     #[command(after_help = "\
 Examples:
-  palpate heights experiments/fig2.toml experiments/experiment1.toml --told-mass-factor 1.5
+  palpate heights experiments/fig2.toml experiments/experiment1.toml --model-mass-factor 1.5
   palpate heights experiments/experiment2.toml --method hfcr,hfcr-mod-st --json")]
     Heights(HeightsArguments),
     /// Vary one quantity of a scene, and show the effect on each method

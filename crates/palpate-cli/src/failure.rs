@@ -9,7 +9,7 @@ use palpate_files::atomic::{WriteError, WriteFault};
 use palpate_files::outputs::OutputError;
 use palpate_plot::map::NotInTheMap;
 use palpate_scene::SceneError;
-use palpate_study::map::receipt::NoNumber;
+use palpate_study::map::metadata::NoNumber;
 use palpate_study::recording::PutSceneError;
 
 use crate::excerpt::Excerpt;

@@ -40,7 +40,7 @@ pub fn run() -> ExitCode {
         Command::Live(arguments) => commands::live::run(&arguments),
         Command::Devices(arguments) => commands::devices::run(&arguments),
         Command::Emulate(arguments) => commands::emulate::run(&arguments),
-        Command::Guardian => commands::guardian::run(),
+        Command::Watchdog => commands::watchdog::run(),
         Command::Doctor(arguments) => commands::doctor::run(&arguments),
         Command::Report(arguments) => commands::report::run(&arguments),
         Command::Bench(arguments) => commands::bench::run(&arguments),

@@ -112,9 +112,9 @@ mod tests {
 
     #[test]
     fn where_there_is_no_terminal_lines_name_the_part_and_its_steps() {
-        let (told, lines) = mpsc::channel();
+        let (model, lines) = mpsc::channel();
         let progress = Progress::in_lines(3, Duration::from_millis(1), move |line| {
-            let _ = told.send(line);
+            let _ = model.send(line);
         });
         progress.begin("what can be rendered");
         progress.advance();

@@ -44,7 +44,7 @@ impl Results {
 pub fn deliver(
     (results, outputs): (&Results, &Outputs),
     mut report: Report,
-    receipt: &[(String, String)],
+    metadata: &[(String, String)],
     runs: &[Run],
     figure: impl FnOnce() -> Sheet,
     progress: Progress,
@@ -62,7 +62,7 @@ pub fn deliver(
         Some(_) if to_standard_output => {
             let mut buffer = io::BufWriter::new(io::stdout().lock());
             finish(
-                run_file::write(&mut buffer, receipt, runs)
+                run_file::write(&mut buffer, metadata, runs)
                     .map_err(io::Error::from)
                     .and_then(|()| buffer.flush()),
             )?;
@@ -70,7 +70,7 @@ pub fn deliver(
         Some(path) => {
             begin(path);
             outputs.write(path, |writer| {
-                run_file::write(writer, receipt, runs).map_err(io::Error::from)
+                run_file::write(writer, metadata, runs).map_err(io::Error::from)
             })?;
             report.wrote(path);
         }

@@ -28,7 +28,7 @@ pub const COLUMNS: [&str; 22] = [
     "outside_work_j",
     "phase",
     "transition_after_s",
-    "placement_shift_m",
+    "object_shift_m",
     "limited",
     "fault",
     "method",
@@ -40,13 +40,13 @@ const CENTRE: &str = "object_centre_m";
 /// Writes `runs`, one after the other, with metadata of their origin.
 pub fn write(
     writer: &mut dyn Write,
-    receipt: &[(String, String)],
+    metadata: &[(String, String)],
     runs: &[Run],
 ) -> Result<(), RunWriteError> {
     let centre = runs.iter().any(|run| run.centre_offset != 0.0);
     let mut columns = COLUMNS.to_vec();
     columns.extend(centre.then_some(CENTRE));
-    let mut file = RunWriter::new(writer, receipt, &columns)?;
+    let mut file = RunWriter::new(writer, metadata, &columns)?;
     let of_tick: Vec<_> = columns.iter().map(|name| Column::named(name)).collect();
     for run in runs {
         for tick in &run.ticks {

@@ -127,13 +127,13 @@ impl Flags {
     }
 
     /// Rejects model values if nothing is simulated that could differ from them.
-    fn refuse_told(&self, command: &str) -> Result<(), Failure> {
-        self.actuation.refuse_told(command)?;
-        if self.told_device_mass.is_none() {
+    fn refuse_model(&self, command: &str) -> Result<(), Failure> {
+        self.actuation.refuse_model(command)?;
+        if self.model_device_mass.is_none() {
             return Ok(());
         }
         Err(Failure::Arguments(format!(
-            "--told-device-mass is for simulate and tune; what {command} tells the renderer is \
+            "--model-device-mass is for simulate and tune; what {command} tells the renderer is \
              --device-mass"
         )))
     }
@@ -145,9 +145,9 @@ impl Flags {
         mut scene: Scene,
         method: MethodName,
     ) -> Result<(ReplaySetup, Settings), Failure> {
-        self.refuse_told("pipe")?;
+        self.refuse_model("pipe")?;
         self.change(&mut scene, &[method])?;
-        let told = self.device_mass.or(scene.told_device_mass);
+        let model = self.device_mass.or(scene.model_device_mass);
         // Unlike a simulated device, a real one can glitch.
         let of_real_devices = LoopParams::new(scene.loop_params.period).speed_limit;
         let setup = ReplaySetup {
@@ -159,7 +159,7 @@ impl Flags {
             object: scene.object,
             virtual_force: scene.virtual_force,
             actuation: ReplaySetup::of_scene(&scene).actuation,
-            device_mass: told.or(Some(scene.device.mass())),
+            device_mass: model.or(Some(scene.device.mass())),
             encoder_quantum: scene.device.encoder_quantum(),
         };
         scene.check().map_err(|error| wrong_flag(&error))?;
@@ -173,7 +173,7 @@ impl Flags {
             value.ok_or_else(|| Failure::Arguments(format!("{command} needs {flag} <{unit}>")))
         };
         self.check_device()?;
-        self.refuse_told(command)?;
+        self.refuse_model(command)?;
         let mut contact = Contact::object(
             needed(self.stiffness, "--stiffness", "N/m")?,
             needed(self.mass, "--mass", "kg|inf")?,
@@ -196,7 +196,7 @@ impl Flags {
         let device_mass = self.device_mass.or_else(|| file?.device_mass());
         let actuation = self.actuation.actuation(period, file)?;
         warn_of_resonance(file, &self.actuation, device_mass, &contact, period);
-        let quantum = || file?.told_quantum();
+        let quantum = || file?.model_quantum();
         Ok(ReplaySetup {
             contact,
             loop_params: self.limits(LoopParams::new(period)),
@@ -253,14 +253,14 @@ impl Flags {
         self.actuation.change(scene, file)?;
         if self.device_mass.is_none() {
             let found = file.and_then(DeviceFile::device_mass);
-            scene.told_device_mass = found.or(scene.told_device_mass);
+            scene.model_device_mass = found.or(scene.model_device_mass);
         }
-        scene.told_device_mass = self.told_device_mass.or(scene.told_device_mass);
-        let told_mass = scene.told_device_mass.or(self.device_mass);
+        scene.model_device_mass = self.model_device_mass.or(scene.model_device_mass);
+        let model_mass = scene.model_device_mass.or(self.device_mass);
         warn_of_resonance(
             file,
             &self.actuation,
-            told_mass.or(Some(scene.device.mass())),
+            model_mass.or(Some(scene.device.mass())),
             &scene.contact,
             scene.loop_params.period,
         );
@@ -306,7 +306,7 @@ impl Flags {
         ];
         let is_number = |(setting, _): (&Setting, _)| setting.unit().is_some();
         rendered.into_iter().any(|given| self.gives(given.into()))
-            || self.gives(SceneParameter::ToldDeviceMass)
+            || self.gives(SceneParameter::ModelDeviceMass)
             || self.actuation.change_a_scene()
             || self.settings().iter().any(is_number)
     }

@@ -32,7 +32,7 @@ pub struct ScriptedDevice<C> {
     last: Pose,
     forces: Vec<Vector>,
     zeroed: Arc<AtomicUsize>,
-    guardian: Arc<AtomicBool>,
+    watchdog: Arc<AtomicBool>,
     /// Whether the last reading detected a cut.
     was_cut: bool,
 }
@@ -56,7 +56,7 @@ impl<C: Clock> ScriptedDevice<C> {
             },
             forces: Vec::with_capacity(REMEMBERED),
             zeroed: Arc::default(),
-            guardian: Arc::default(),
+            watchdog: Arc::default(),
             was_cut: false,
         }
     }
@@ -85,8 +85,8 @@ impl<C: Clock> ScriptedDevice<C> {
     /// Returns a flag that emulates a watchdog process. After it is set, the next read reports a zero-force command
     /// of that process.
     #[must_use]
-    pub fn guardian(&self) -> Arc<AtomicBool> {
-        Arc::clone(&self.guardian)
+    pub fn watchdog(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.watchdog)
     }
 }
 
@@ -96,7 +96,7 @@ impl<C: Clock> Device for ScriptedDevice<C> {
     }
 
     fn read(&mut self) -> Result<Pose, DeviceError> {
-        self.was_cut |= self.guardian.swap(false, Ordering::SeqCst);
+        self.was_cut |= self.watchdog.swap(false, Ordering::SeqCst);
         let step = self.script.get(self.next).or(self.script.last());
         self.next += 1;
         match step.copied().unwrap_or(Step::Stale) {

@@ -7,7 +7,7 @@ use std::process::Command;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use palpate_rt::guardian::{Guardian, GuardianAccount, Orders};
+use palpate_rt::watchdog::{Orders, Watchdog, WatchdogAccount};
 
 /// Result of a latency test of a watchdog process.
 #[derive(Clone, Debug)]
@@ -36,13 +36,13 @@ pub fn try_out(command: Command, limit: Duration, rounds: usize) -> Result<Tried
         probe: vec![0],
         answer: 0,
     };
-    let account = Arc::new(GuardianAccount::default());
-    let guardian = Guardian::start(command, port.as_fd(), &orders, Arc::clone(&account))
+    let account = Arc::new(WatchdogAccount::default());
+    let watchdog = Watchdog::start(command, port.as_fd(), &orders, Arc::clone(&account))
         .map_err(|error| error.to_string())?;
     let gone = |_| "it ended by itself".to_owned();
     let mut late = Vec::with_capacity(rounds);
     for _ in 0..rounds {
-        guardian.force().map_err(gone)?;
+        watchdog.force().map_err(gone)?;
         let spoken = Instant::now();
         match board.read(&mut [0; 1]) {
             Ok(1) => late.push(spoken.elapsed().saturating_sub(limit)),
@@ -52,15 +52,15 @@ pub fn try_out(command: Command, limit: Duration, rounds: usize) -> Result<Tried
             }
             Err(error) => return Err(error.to_string()),
         }
-        guardian.none().map_err(gone)?;
-        let _ = guardian.has_cut();
+        watchdog.none().map_err(gone)?;
+        let _ = watchdog.has_cut();
         // Discard further zero-force commands that it may have sent meanwhile.
         std::thread::sleep(limit);
         board.set_nonblocking(true).map_err(said)?;
         while board.read(&mut [0; 64]).is_ok_and(|read| read > 0) {}
         board.set_nonblocking(false).map_err(said)?;
     }
-    guardian.dismiss();
+    watchdog.dismiss();
     late.sort();
     Ok(Tried {
         is_first: account.is_first(),

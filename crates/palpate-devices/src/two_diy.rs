@@ -10,7 +10,7 @@ use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
 };
 use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy, ports};
-use palpate_rt::guardian::{GuardianAccount, GuardianError};
+use palpate_rt::watchdog::{WatchdogAccount, WatchdogError};
 
 use crate::Axis;
 
@@ -45,12 +45,12 @@ pub struct Setup {
 /// program is killed or stopped.
 #[derive(Debug)]
 pub struct Guard {
-    /// Command that runs [`palpate_rt::guardian::serve`].
+    /// Command that runs [`palpate_rt::watchdog::serve`].
     pub command: Command,
     /// Maximum time without a message from the loop while a force is on.
     pub limit: Duration,
     /// Record of the watchdog's actions.
-    pub account: Arc<GuardianAccount>,
+    pub account: Arc<WatchdogAccount>,
 }
 
 /// Reason why no port can be selected for a 2DIY. The caller adds how to name a port.
@@ -82,10 +82,10 @@ pub enum OpenError {
     Device(palpate_haply::two_diy::OpenError),
     /// The watchdog process could not be started.
     #[error(
-        "no guardian: {0}. If this program is killed or stopped, only a guardian takes the force off this device, which \
+        "no watchdog: {0}. If this program is killed or stopped, only a watchdog takes the force off this device, which \
          holds it"
     )]
-    Guardian(GuardianError),
+    Watchdog(WatchdogError),
 }
 
 impl Setup {
@@ -134,14 +134,14 @@ impl Setup {
         };
         device
             .guarded_by(guard.command, guard.limit, guard.account)
-            .map_err(OpenError::Guardian)
+            .map_err(OpenError::Watchdog)
     }
 }
 
 /// A failed shutdown: the board did not confirm that it holds no torque.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
-pub struct NotLetGo {
+pub struct OutputNotDisabled {
     /// Reason of the failure.
     pub error: DeviceError,
     /// Whether the port was lost before.
@@ -149,7 +149,7 @@ pub struct NotLetGo {
 }
 
 /// A 2DIY whose outputs are disabled on drop. It reports a board that does not confirm zero torque.
-pub struct LetGo<C> {
+pub struct DisableOutput<C> {
     capabilities: Capabilities,
     /// `None` after closing.
     device: Option<TwoDiy<C>>,
@@ -157,11 +157,11 @@ pub struct LetGo<C> {
     is_gone: bool,
 }
 
-type Tell = Box<dyn FnOnce(NotLetGo) + Send>;
+type Tell = Box<dyn FnOnce(OutputNotDisabled) + Send>;
 
-impl<C: Clock> LetGo<C> {
+impl<C: Clock> DisableOutput<C> {
     /// Wraps `device`. On drop, `tell` receives the failure if the board does not confirm that it holds no torque.
-    pub fn new(device: TwoDiy<C>, tell: impl FnOnce(NotLetGo) + Send + 'static) -> Self {
+    pub fn new(device: TwoDiy<C>, tell: impl FnOnce(OutputNotDisabled) + Send + 'static) -> Self {
         Self {
             capabilities: device.capabilities().clone(),
             device: Some(device),
@@ -183,7 +183,7 @@ impl<C: Clock> LetGo<C> {
     }
 }
 
-impl<C: Clock> Device for LetGo<C> {
+impl<C: Clock> Device for DisableOutput<C> {
     fn capabilities(&self) -> &Capabilities {
         &self.capabilities
     }
@@ -205,11 +205,11 @@ impl<C: Clock> Device for LetGo<C> {
     }
 }
 
-impl<C> Drop for LetGo<C> {
+impl<C> Drop for DisableOutput<C> {
     fn drop(&mut self) {
         let closed = self.device.take().map_or(Ok(()), TwoDiy::close);
         if let (Err(error), Some(tell)) = (closed, self.tell.take()) {
-            tell(NotLetGo {
+            tell(OutputNotDisabled {
                 error,
                 was_gone: self.is_gone,
             });

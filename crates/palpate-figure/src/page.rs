@@ -16,7 +16,7 @@ pub(super) const NOTE_SIZE: u32 = 10;
 const EDGE: f64 = 10.0;
 
 /// Minimum size of a frame `[px]`.
-const LEAST_FRAME: (f64, f64) = (70.0, 36.0);
+const MIN_FRAME: (f64, f64) = (70.0, 36.0);
 
 /// The laid-out page of a figure.
 pub struct Page {
@@ -55,8 +55,8 @@ pub(super) fn page(sheet: &Sheet, size: Size) -> Result<Page, SizeError> {
     };
     let frames = planned.frames_below_each_other().max(1.0);
     let frame_height = planned.height + (height - natural.height) / frames;
-    if frame_height < LEAST_FRAME.1 {
-        let least = natural.height + (LEAST_FRAME.1 - planned.height) * frames;
+    if frame_height < MIN_FRAME.1 {
+        let least = natural.height + (MIN_FRAME.1 - planned.height) * frames;
         return Err(SizeError::too_small("height", height, least));
     }
     let planned = Lines::plan(sheet, frame_height);
@@ -201,9 +201,8 @@ impl<'a> Lines<'a> {
             .iter()
             .map(|line| (width - 2.0 * EDGE - self.margins(line)) / side_by_side(line))
             .fold(f64::INFINITY, f64::min);
-        if frame < LEAST_FRAME.0 {
-            let least =
-                |line: &Vec<Planned>| self.margins(line) + side_by_side(line) * LEAST_FRAME.0;
+        if frame < MIN_FRAME.0 {
+            let least = |line: &Vec<Planned>| self.margins(line) + side_by_side(line) * MIN_FRAME.0;
             let least = self.lines.iter().map(least).fold(0.0, f64::max) + 2.0 * EDGE;
             return Err(SizeError::too_small("width", width, least));
         }

@@ -128,11 +128,11 @@ fn serve_until<I: BufRead>(
             Ok(ended) => return ended,
             Err(RecvTimeoutError::Timeout) if !stop.is_raised() => {}
             Err(RecvTimeoutError::Timeout) => {
-                let_go(stream)?;
+                disable_output(stream)?;
                 return Err(CalibratingError::Signalled);
             }
             Err(RecvTimeoutError::Disconnected) => {
-                let_go(stream)?;
+                disable_output(stream)?;
                 return Err(CalibratingError::Panicked);
             }
         }
@@ -140,7 +140,7 @@ fn serve_until<I: BufRead>(
 }
 
 /// Sets the force to 0 from another thread than the answering one, which may wait for a stalled reader.
-fn let_go(stream: &Arc<Mutex<Stream>>) -> Result<(), LastLineUnread> {
+fn disable_output(stream: &Arc<Mutex<Stream>>) -> Result<(), LastLineUnread> {
     let ending = Arc::clone(stream);
     last_line::write_beside(move || {
         let _ = locked(&ending).end();

@@ -7,7 +7,7 @@ use std::thread::Builder;
 use std::time::Duration;
 
 /// Capacity of the message queue; further messages are dropped.
-const MOST_WAITING: usize = 1024;
+const MAX_WAITING: usize = 1024;
 /// Longest wait at the end for a reader of the messages.
 const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
@@ -26,7 +26,7 @@ impl Messages {
     /// # Errors
     /// The system cannot create a thread.
     pub fn start(tell: impl Fn(String) + Send + 'static) -> io::Result<Self> {
-        let (sender, messages) = sync_channel::<String>(MOST_WAITING);
+        let (sender, messages) = sync_channel::<String>(MAX_WAITING);
         let (done, written) = channel();
         Builder::new()
             .name("palpate messages".to_owned())

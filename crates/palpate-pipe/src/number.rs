@@ -5,16 +5,16 @@ use std::fmt::Write;
 use palpate_study::text::digits;
 
 /// Magnitude below which a number has an exponent: its decimals would be hundreds of zeros.
-const LEAST_DECIMAL: f64 = 1e-5;
+const MIN_DECIMAL: f64 = 1e-5;
 /// Magnitude from which a number has an exponent.
-const LEAST_POWER: f64 = 1e16;
+const MIN_POWER: f64 = 1e16;
 
 /// Appends a finite `number` to a line so that it reads back unchanged: as a decimal, or with an exponent if it is very
 /// small or very large. It takes at most 24 characters. Zero has no sign.
 pub(crate) fn push(line: &mut String, number: f64) {
     let size = number.abs();
     // Writing to a string cannot fail. Adding 0 normalises -0.
-    let _ = if size == 0.0 || (LEAST_DECIMAL..LEAST_POWER).contains(&size) {
+    let _ = if size == 0.0 || (MIN_DECIMAL..MIN_POWER).contains(&size) {
         write!(line, "{}", number + 0.0)
     } else {
         write!(line, "{number:e}")

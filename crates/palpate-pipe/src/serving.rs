@@ -8,7 +8,7 @@ use std::thread::Builder;
 use std::time::Duration;
 
 use palpate_rt::StopFlag;
-use palpate_rt::safety::Trip;
+use palpate_rt::safety::SafetyStop;
 use serde::Serialize;
 
 use crate::last_line::{self, LastLineUnread};
@@ -45,7 +45,7 @@ pub trait Answering: Send + 'static {
     /// Whether lines were answered and all of them were rejected, so that no force was rendered.
     fn has_refused_all(&self) -> bool;
     /// Returns the safety stop that held all forces at 0 until the end, if there is one.
-    fn safety_stop(&self) -> Option<Trip>;
+    fn safety_stop(&self) -> Option<SafetyStop>;
     /// Returns the summary and the messages. The stream must not be used afterwards.
     fn finish(&mut self) -> (Self::Summary, Option<Messages>);
 }
@@ -62,7 +62,7 @@ pub struct Served<Summary> {
     /// Whether lines were answered and all of them were rejected.
     pub has_refused_all: bool,
     /// The safety stop that held all forces at 0 until the end, if there is one.
-    pub safety_stop: Option<Trip>,
+    pub safety_stop: Option<SafetyStop>,
 }
 
 /// Failure to serve or to end a stream.
@@ -165,11 +165,11 @@ fn serve_until<S: Answering, I: BufRead>(
             Ok(ended) => return Ok(ended),
             Err(RecvTimeoutError::Timeout) if !stop.is_raised() => {}
             Err(RecvTimeoutError::Timeout) => {
-                let_go(stream)?;
+                disable_output(stream)?;
                 return Ok(Ended::Signalled);
             }
             Err(RecvTimeoutError::Disconnected) => {
-                let_go(stream)?;
+                disable_output(stream)?;
                 return Err(ServeError::Panicked);
             }
         }
@@ -177,7 +177,7 @@ fn serve_until<S: Answering, I: BufRead>(
 }
 
 /// Sets the force to 0 from another thread than the answering one, which may wait forever for a stalled reader.
-fn let_go<S: Answering>(stream: &Arc<Mutex<S>>) -> Result<(), LastLineUnread> {
+fn disable_output<S: Answering>(stream: &Arc<Mutex<S>>) -> Result<(), LastLineUnread> {
     let ending = Arc::clone(stream);
     last_line::write_beside(move || {
         let _ = locked(&ending).end();

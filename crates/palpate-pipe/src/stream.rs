@@ -6,7 +6,7 @@ use palpate::Fault;
 use palpate_device::Wrench;
 use palpate_record::recording::{self, ContactTick, Tick};
 use palpate_record::unit::HandMotion;
-use palpate_rt::safety::{self, Safety, Trip};
+use palpate_rt::safety::{self, Safety, SafetyStop};
 use palpate_rt::{CHANGE_DURATION, Rendered, answered};
 
 use crate::change::{Change, Changeable};
@@ -19,7 +19,7 @@ use crate::summary::{PipeSummary, stop_in_words};
 
 /// Number of rejected lines that are reported one by one; beyond it each doubling is reported. A dead sensor at 1 kHz
 /// would flood standard error.
-const TOLD_EACH: u64 = 8;
+const REPORTED_EACH: u64 = 8;
 
 /// A renderer between two streams, with its state between two lines.
 pub struct Stream {
@@ -112,7 +112,7 @@ impl Stream {
         if is_used {
             self.follow(number, position, elapsed.unwrap_or(period))?;
         }
-        let verdict = self.safety.judge(&safety::Rendered {
+        let verdict = self.safety.evaluate(&safety::Rendered {
             elapsed,
             // A position that the renderer rejected is not checked.
             position: [if is_used { position } else { 0.0 }, 0.0, 0.0],
@@ -145,11 +145,14 @@ impl Stream {
         self.summary.samples += 1;
         self.summary.limited += u64::from(output.limited.any());
         self.summary.softened += u64::from(verdict.bounded.soft_start);
-        if let Some(trip) = verdict.tripped.filter(|trip| !trip.is_passing()) {
-            self.summary.safety_stop = Some(trip.name());
+        if let Some(safety_stop) = verdict
+            .stopped
+            .filter(|safety_stop| !safety_stop.is_passing())
+        {
+            self.summary.safety_stop = Some(safety_stop.name());
             self.tell(format_args!(
                 "line {number}: {}",
-                stop_in_words(self.safety.params(), trip)
+                stop_in_words(self.safety.params(), safety_stop)
             ));
         }
         if output.limited.force && !self.memory.is_limited {
@@ -218,7 +221,7 @@ impl Stream {
     fn tell_refused(&mut self, number: u64, why: &str) {
         self.summary.refused += 1;
         let refused = self.summary.refused;
-        if refused <= TOLD_EACH {
+        if refused <= REPORTED_EACH {
             self.tell(format_args!("line {number}: {why}; the force is 0"));
         } else if refused.is_power_of_two() {
             self.tell(format_args!(
@@ -243,8 +246,10 @@ impl Answering for Stream {
         self.memory.is_ended
     }
 
-    fn safety_stop(&self) -> Option<Trip> {
-        self.safety.trip().filter(|trip| !trip.is_passing())
+    fn safety_stop(&self) -> Option<SafetyStop> {
+        self.safety
+            .safety_stop()
+            .filter(|safety_stop| !safety_stop.is_passing())
     }
 
     fn has_refused_all(&self) -> bool {
@@ -304,7 +309,7 @@ impl Answering for Stream {
     }
 
     fn finish(&mut self) -> (PipeSummary, Option<Messages>) {
-        let summary = self.summary.with_books(self.rendered.ledger());
+        let summary = self.summary.with_ledger(self.rendered.ledger());
         let summary = summary.with_learned_lateness(self.rendered.learned_lateness());
         (summary, self.messages.take())
     }

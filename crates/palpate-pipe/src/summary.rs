@@ -3,7 +3,7 @@
 use std::fmt;
 
 use palpate::Ledger;
-use palpate_rt::safety::{SafetyParams, Trip};
+use palpate_rt::safety::{SafetyParams, SafetyStop};
 use serde::Serialize;
 
 use palpate_study::text::{counted, digits};
@@ -14,9 +14,9 @@ use crate::number::millijoules;
 const FORMAT: &str = "palpate pipe 1";
 
 /// Returns the message of a latched safety stop: its reason and the remedy.
-pub fn stop_in_words(limits: &SafetyParams, trip: Trip) -> String {
-    let why = match trip {
-        Trip::Oscillation => format!(
+pub fn stop_in_words(limits: &SafetyParams, safety_stop: SafetyStop) -> String {
+    let why = match safety_stop {
+        SafetyStop::Oscillation => format!(
             "held forces created more than {} mJ within about {} s",
             digits(1e3 * limits.oscillation.energy),
             limits.oscillation.window
@@ -87,7 +87,7 @@ impl PipeSummary {
 
     /// Returns a copy with the values of the energy ledger.
     #[must_use]
-    pub fn with_books(&self, ledger: &Ledger<f64>) -> Self {
+    pub fn with_ledger(&self, ledger: &Ledger<f64>) -> Self {
         Self {
             stored_energy_j: ledger.stored,
             port_work_j: ledger.port_work,

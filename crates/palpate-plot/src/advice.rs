@@ -104,9 +104,10 @@ fn wish(advice: &Advice) -> String {
 fn head(advice: &Advice, of: &MethodReach) -> String {
     let name = of.method.name();
     let found = advice.methods.iter().find(|one| one.method == name);
-    found
-        .and_then(|one| one.by_itself.as_ref())
-        .map_or_else(|| name.into(), |judged| format!("{name}: {}", judged.class))
+    found.and_then(|one| one.by_itself.as_ref()).map_or_else(
+        || name.into(),
+        |evaluated| format!("{name}: {}", evaluated.class),
+    )
 }
 
 /// Returns the answer as one line.

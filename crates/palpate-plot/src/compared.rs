@@ -13,7 +13,7 @@ struct ComparedScene<'a> {
     /// Title of the scene.
     title: &'a str,
     /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
-    hold_floor: Option<f64>,
+    hold_bound: Option<f64>,
     /// Results of each method.
     methods: Vec<ComparedMethod>,
 }
@@ -47,7 +47,7 @@ impl<'a> ComparedScene<'a> {
         };
         Self {
             title: &scene.title,
-            hold_floor: scene.hold_floor_percent,
+            hold_bound: scene.hold_bound_percent,
             methods: scene.methods.iter().map(of_method).collect(),
         }
     }
@@ -66,7 +66,7 @@ pub fn compared_worlds(comparison: &WorldComparison) -> DotFigure {
         let scene: &WorldRows = scene;
         ComparedScene {
             title: &scene.title,
-            hold_floor: scene.hold_floor_percent,
+            hold_bound: scene.hold_bound_percent,
             methods: scene.methods.iter().map(of_world).collect(),
         }
     };
@@ -105,18 +105,18 @@ fn figure(scenes: &[ComparedScene]) -> DotFigure {
     DotFigure {
         title: finding(scenes),
         subtitle: "Force rendering error of each method on each scene".into(),
-        footnote: "FRE: error of the held force to the ideal force, over the window of the scene. Hold floor: the \
+        footnote: "FRE: error of the held force to the ideal force, over the window of the scene. Hold bound: the \
                    least FRE that any force held over the periods of the loop can have."
             .into(),
         x_label: "FRE [%]".into(),
         largest: LARGEST,
-        floor_label: "hold floor".into(),
+        floor_label: "hold bound".into(),
         ring_label: "diverged, left the safety box or jammed".into(),
         panels: scenes
             .iter()
             .map(|scene| DotPanel {
                 head: scene.title.into(),
-                floor: scene.hold_floor,
+                floor: scene.hold_bound,
                 dots: scene.methods.iter().map(dot).collect(),
             })
             .collect(),
@@ -134,8 +134,8 @@ fn finding(scenes: &[ComparedScene]) -> String {
     };
     match nearest.len() {
         0 => "No method holds together with a force error on any scene".into(),
-        judged => format!(
-            "{} has the least force error on {} of {judged} scenes",
+        evaluated => format!(
+            "{} has the least force error on {} of {evaluated} scenes",
             best.name,
             wins(best.name)
         ),
@@ -168,7 +168,7 @@ mod tests {
     fn the_title_counts_the_scenes_where_a_method_is_nearest_and_whole() {
         let scene = |methods| ComparedScene {
             title: "a scene",
-            hold_floor: Some(1.0),
+            hold_bound: Some(1.0),
             methods,
         };
         let scenes = [

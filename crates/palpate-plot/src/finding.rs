@@ -4,14 +4,14 @@ use palpate_sim::run::Run;
 use palpate_study::text::{digits, percent};
 
 /// Maximum number of names in a sentence; above it the sentence gives their number.
-const MOST_NAMES: usize = 3;
+const MAX_NAMES: usize = 3;
 
 /// Returns the result of some runs, each with its name in the figure. Returns `None` if the ideal has no contact,
 /// since the error is then undefined.
 pub fn of_runs(runs: &[&Run], names: &[&str]) -> Option<String> {
     let errors: Vec<Option<f64>> = runs.iter().map(|run| error(run)).collect();
-    let floor = runs.iter().find_map(|run| run.force.fidelity)?.hold_floor;
-    let floor = format!("hold floor {} %", percent(floor));
+    let floor = runs.iter().find_map(|run| run.force.fidelity)?.hold_bound;
+    let floor = format!("hold bound {} %", percent(floor));
     let broken: Vec<&str> = (runs.iter().zip(names))
         .filter(|(run, _)| end(run).is_some())
         .map(|(_, name)| *name)
@@ -40,7 +40,7 @@ pub fn of_runs(runs: &[&Run], names: &[&str]) -> Option<String> {
         percent(least)
     );
     if !broken.is_empty() {
-        let what = if broken.len() <= MOST_NAMES {
+        let what = if broken.len() <= MAX_NAMES {
             broken.join(", ")
         } else {
             format!("{} of {}", broken.len(), runs.len())

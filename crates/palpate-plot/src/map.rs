@@ -6,7 +6,7 @@ use palpate_study::map::{Plant, RESTS_BELOW, STABLE_UP_TO, bounds};
 
 use crate::SHOWN;
 use palpate_figure::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
-use palpate_study::map::receipt::{self, NoNumber};
+use palpate_study::map::metadata::{self, NoNumber};
 use palpate_study::map::report::{FAITHFUL_PERCENT, is_faithful, is_stable, stay};
 
 /// A quantity of a map.
@@ -52,7 +52,7 @@ impl Quantity {
         match self {
             Self::Growth => "Growth of the energy per collision",
             Self::Error => "Mean-force error E",
-            Self::OverFloor => "Force rendering error over the hold floor",
+            Self::OverFloor => "Force rendering error over the hold bound",
             Self::Resting => {
                 "How far the force swings of an object that lies on the device by its weight"
             }
@@ -211,7 +211,7 @@ struct LoopNumbers {
 
 impl LoopNumbers {
     fn of(map: &Map) -> Result<Self, NoNumber> {
-        let number = |key| receipt::number(map, key);
+        let number = |key| metadata::number(map, key);
         let (mass, period) = (number("device_mass_kg")?, number("period_s")?);
         let friction = number("viscous_friction_n_s_per_m")?;
         Ok(Self {
@@ -251,7 +251,7 @@ fn panel(
             .map(|row| match quantity {
                 Quantity::Growth => row.growth[0],
                 Quantity::Error => row.error[0],
-                Quantity::OverFloor => row.error_over_floor[0],
+                Quantity::OverFloor => row.error_over_bound[0],
                 // Walls cannot rest on the device, so their strip stays blank.
                 Quantity::Resting => stay(row).and_then(|stay| stay.resting).unwrap_or(f64::NAN),
                 Quantity::Pressed => stay(row).map_or(f64::NAN, |stay| stay.pressed),
@@ -345,7 +345,7 @@ fn scale(quantity: Quantity) -> Scale {
             border: "border of E < 20 % and stable, from the worst start".into(),
         },
         Quantity::OverFloor => Scale {
-            name: "Force rendering error over the hold floor [1], median start".into(),
+            name: "Force rendering error over the hold bound [1], median start".into(),
             steps: steps(&[
                 ("#00224e", "≤ 1.05"),
                 ("#1f3f6e", "≤ 1.2"),
@@ -442,12 +442,12 @@ fn footnote(map: &Map, numbers: &LoopNumbers, show: &[Quantity]) -> String {
             "deviation of the lag in the renderer's model [periods]",
         ),
         (
-            "told_mass_factor",
+            "model_mass_factor",
             "1",
             "mass told to the renderer over the true one",
         ),
         (
-            "told_period_factor",
+            "model_period_factor",
             "1",
             "period told to the renderer over the true one",
         ),

@@ -7,13 +7,13 @@ use crate::runs::{Devices, RunsFigure};
 use crate::{finding, multiples, overlay};
 
 /// Maximum number of runs in one panel; more are hard to distinguish.
-pub const MOST_IN_A_PANEL: usize = 4;
+pub const MAX_IN_A_PANEL: usize = 4;
 
 impl RunsFigure<'_> {
     /// Returns position, force and energy of all runs in one panel each; with more than four runs, one panel per run.
     #[must_use]
     pub fn sheet(&self) -> Sheet {
-        let (lines, note) = if self.runs.len() > MOST_IN_A_PANEL {
+        let (lines, note) = if self.runs.len() > MAX_IN_A_PANEL {
             multiples::lines(self)
         } else {
             overlay::lines(self)

@@ -17,14 +17,14 @@ mod columns;
 mod fault;
 mod growing;
 mod layout;
-mod led;
+mod prescribed_motion;
 mod table;
 #[cfg(test)]
 mod tests;
 
 pub use fault::{TraceError, TraceFault};
 pub use layout::{Delimiter, Layout, Way, Ways};
-pub use led::{LedDevice, WorldTrace, read_world};
+pub use prescribed_motion::{LedDevice, WorldTrace, read_world};
 
 use std::io::Read;
 

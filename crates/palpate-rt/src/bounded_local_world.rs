@@ -8,8 +8,8 @@ use palpate_world::engine::local::{LocalRenderer, LocalState, ModelRefusal};
 use palpate_world::{Effort, Limited, Sample, WorldFault};
 
 use crate::bounded_world::{Answered, WorldSafety};
-use crate::rendering::{FromHost, SlowHost, sides};
-use crate::safety::{Bounded, SafetyError, SafetyParams, Trip};
+use crate::rendering::{FromHost, LowRateSimulator, sides};
+use crate::safety::{Bounded, SafetyError, SafetyParams, SafetyStop};
 
 /// Renderer of the models published by a low-rate simulator, for any number of tools, with the safety limits of each
 /// device.
@@ -52,11 +52,12 @@ pub struct HeldLocal<'a> {
 pub fn bounded_local_world(
     renderer: LocalRenderer,
     limits: SafetyParams,
-) -> Result<(SlowHost, BoundedLocalWorld), SafetyError> {
+) -> Result<(LowRateSimulator, BoundedLocalWorld), SafetyError> {
     let state = renderer.start();
     let tools = state.tools().len();
-    let in_loop = renderer.in_loop();
-    let safety = WorldSafety::new(tools, limits, in_loop.period)?.rendering(&in_loop.actuation);
+    let loop_params = renderer.loop_params();
+    let safety =
+        WorldSafety::new(tools, limits, loop_params.period)?.rendering(&loop_params.actuation);
     let (host, from_host) = sides(&renderer);
     let world = BoundedLocalWorld {
         host: from_host,
@@ -110,8 +111,8 @@ impl BoundedLocalWorld {
 
     /// Returns the safety stop that holds all forces at 0, if any.
     #[must_use]
-    pub fn trip(&self) -> Option<Trip> {
-        self.safety.trip()
+    pub fn safety_stop(&self) -> Option<SafetyStop> {
+        self.safety.safety_stop()
     }
 
     /// Replaces the wrench of the last sample by the one actually sent to a device, for example after saturation.
@@ -147,7 +148,7 @@ mod tests {
     const PERIOD: f64 = 1e-3;
 
     /// A sphere of 5 mm that touches the published bodies, and a floor whose surface is at 0.
-    fn ends(limits: SafetyParams) -> (SlowHost, BoundedLocalWorld, LocalContact) {
+    fn ends(limits: SafetyParams) -> (LowRateSimulator, BoundedLocalWorld, LocalContact) {
         let tool = Tool::new("tool", Shape::Sphere { radius: 5e-3 });
         let renderer = LocalRenderer::new(
             &[tool],

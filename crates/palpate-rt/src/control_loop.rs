@@ -13,8 +13,10 @@ use crate::driven::Devices;
 use crate::lateness_watch::LatenessWatch;
 use crate::motors_off::MotorsOff;
 use crate::note::{Ending, Note};
-use crate::rendering::{Answer, Fresh, OneContact, Parameters, RenderedWorld, Rendering, Renders};
-use crate::safety::{Heartbeat, Rendered, Safety, SafetyParams, Supervisor, Trip};
+use crate::rendering::{
+    Answer, DeviceSamples, OneContact, Parameters, RenderedWorld, Rendering, Renders,
+};
+use crate::safety::{Heartbeat, Rendered, Safety, SafetyParams, SafetyStop, Supervisor};
 use crate::setup::{SetupError, can_turn};
 use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
@@ -245,13 +247,13 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
     }
 
     /// Returns the safety stop that holds the forces at 0, if any; of several stops, a latched one.
-    pub fn trip(&self) -> Option<Trip> {
-        self.tripped_device().map(|(_, trip)| trip)
+    pub fn safety_stop(&self) -> Option<SafetyStop> {
+        self.stopped_device().map(|(_, safety_stop)| safety_stop)
     }
 
     /// Returns the same stop with the index of the stopped device.
-    pub fn tripped_device(&self) -> Option<(usize, Trip)> {
-        self.devices.trip()
+    pub fn stopped_device(&self) -> Option<(usize, SafetyStop)> {
+        self.devices.safety_stop()
     }
 
     /// Ticks until `stop` is raised, `most` periods are over or the device is gone, then commands zero force. The
@@ -270,7 +272,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
                 break Ending::DeviceLost;
             }
         };
-        self.let_go();
+        self.disable_output();
         ending
     }
 
@@ -293,9 +295,9 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
     }
 
     /// Commands zero force on each device and deactivates the supervisor.
-    pub fn let_go(&mut self) {
-        self.devices.let_go(&self.clock);
-        self.motors_off.let_go();
+    pub fn disable_output(&mut self) {
+        self.devices.disable_output(&self.clock);
+        self.motors_off.disable_output();
         self.heartbeat.end();
     }
 
@@ -331,11 +333,11 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             // together with the loop acts too late.
             let in_read = stood_still_in_read && !has_overslept;
             let since = before.filter(|_| !in_read).unwrap_or(woke);
-            was_cut |= self.guardian_cut(since);
+            was_cut |= self.watchdog_cut(since);
         }
         let stalled = has_overslept || was_cut;
         if was_cut {
-            self.book_cuts();
+            self.record_cuts();
         }
         let are_fresh = self.devices.are_fresh();
         let mut elapsed = None;
@@ -347,16 +349,16 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             self.statistics.without_sample += u64::from(self.devices.lack_a_sample());
             self.devices.go_without(stalled);
         }
-        self.tell_of_trips();
+        self.send_safety_stops();
         let (lateness, period) = (self.rendered.learned_lateness(), self.rendered.period());
         if let Some(lateness) = self.lateness.news(lateness, period, woke) {
             self.note(Note::LearnedLateness(lateness));
         }
         if self.supervisor_cut() {
-            self.book_cuts();
+            self.record_cuts();
             // The force that the supervisor has just removed must not be commanded again.
             self.devices.stall();
-            self.tell_of_trips();
+            self.send_safety_stops();
         }
         if let Some(fault) = fault {
             self.statistics.refused += 1;
@@ -376,14 +378,14 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         }
         self.is_off = self.devices.are_off();
         if ended.saturating_sub(answered) > self.stall_limit {
-            self.guardian_cut(woke);
-            self.book_cuts();
+            self.watchdog_cut(woke);
+            self.record_cuts();
         }
         self.motors_off.tick(woke, ended, self.is_off);
         let flags = Flags::default()
             .with(Flags::FAULT, fault.is_some())
             .with(Flags::SAFETY_LIMITED, self.devices.are_bounded())
-            .with(Flags::SAFETY_TRIPPED, self.is_off)
+            .with(Flags::SAFETY_STOPPED, self.is_off)
             .with(Flags::MISSED_DEADLINE, missed > 0)
             .with(Flags::DEVICE_FAULT, !are_fresh);
         let (commanded, delivered) = self.devices.first_wrenches();
@@ -472,14 +474,14 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
 
     /// Returns whether a watchdog process has commanded zero force since the last call. Its limit is that of a
     /// supervisor, and the loop has been silent since `since`.
-    fn guardian_cut(&mut self, since: Duration) -> bool {
+    fn watchdog_cut(&mut self, since: Duration) -> bool {
         let at = since.saturating_add(self.stall_limit);
-        self.devices.were_cut_by_guardians(at.min(self.clock.now()))
+        self.devices.were_cut_by_watchdogs(at.min(self.clock.now()))
     }
 
     /// Records in the ledger which devices held no force and since when.
-    fn book_cuts(&mut self) {
-        if let Some(at) = self.devices.book_cuts() {
+    fn record_cuts(&mut self) {
+        if let Some(at) = self.devices.record_cuts() {
             self.motors_off.cut(at);
         }
     }
@@ -513,13 +515,13 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         let held_none = devices
             .iter()
             .all(|device| device.held == Some(Wrench::NONE));
-        let sample = Fresh {
+        let sample = DeviceSamples {
             elapsed,
             was_off: self.is_off && held_none,
             devices,
         };
         let answer = self.rendered.step(&sample, asked);
-        self.devices.judge(&Rendered {
+        self.devices.evaluate(&Rendered {
             elapsed,
             position: [0.0; 3],
             coordinate: answer.coordinate,
@@ -553,18 +555,20 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
     }
 
     /// Reports the safety stops that have begun or ended. Stops of the whole loop are reported once.
-    fn tell_of_trips(&mut self) {
+    fn send_safety_stops(&mut self) {
         let mut is_first = true;
         for driven in self.devices.iter_mut() {
-            let is_told = |trip: &Trip| is_first || !trip.is_of_the_loop();
-            let of = |trip: Trip| driven.number.filter(|_| !trip.is_of_the_loop());
-            if let Some(trip) = driven.verdict.recovered.take().filter(is_told) {
+            let is_told = |safety_stop: &SafetyStop| is_first || !safety_stop.is_of_the_loop();
+            let of =
+                |safety_stop: SafetyStop| driven.number.filter(|_| !safety_stop.is_of_the_loop());
+            if let Some(safety_stop) = driven.verdict.recovered.take().filter(is_told) {
                 let now = self.clock.now();
-                self.teller.note(now, of(trip), Note::Recovered(trip));
+                self.teller
+                    .note(now, of(safety_stop), Note::Recovered(safety_stop));
             }
-            if let Some(trip) = driven.verdict.tripped.take().filter(is_told) {
-                let note = match trip {
-                    Trip::Oscillation => Note::Oscillated {
+            if let Some(safety_stop) = driven.verdict.stopped.take().filter(is_told) {
+                let note = match safety_stop {
+                    SafetyStop::Oscillation => Note::Oscillated {
                         method: if driven.safety.oscillation_is_from_before() {
                             self.method_before
                         } else {
@@ -572,9 +576,9 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
                         },
                         renders_now: self.rendered.method(),
                     },
-                    other => Note::Tripped(other),
+                    other => Note::Stopped(other),
                 };
-                self.teller.note(self.clock.now(), of(trip), note);
+                self.teller.note(self.clock.now(), of(safety_stop), note);
             }
             is_first = false;
         }
@@ -589,7 +593,7 @@ impl<D: Device, C: Clock, R: Renders> Drop for ControlLoop<D, C, R> {
     fn drop(&mut self) {
         // A driver panic that escapes `drop` can abort the process. Catch it, then disable the outputs through the
         // zero writers.
-        if catch_unwind(AssertUnwindSafe(|| self.let_go())).is_err() {
+        if catch_unwind(AssertUnwindSafe(|| self.disable_output())).is_err() {
             let _ = catch_unwind(AssertUnwindSafe(|| self.cut_off()));
         }
     }

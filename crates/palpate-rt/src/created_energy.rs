@@ -5,7 +5,7 @@
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct CreatedEnergy {
     /// Generated energy in the renderer's ledger at the last sample `[J]`.
-    booked: f64,
+    recorded: f64,
     counted: f64,
     /// Whether the last sample was valid, so that the next interval counts.
     is_begun: bool,
@@ -13,11 +13,11 @@ pub(crate) struct CreatedEnergy {
 
 impl CreatedEnergy {
     /// Takes the renderer's generated energy at a sample `[J]`. An interval with the motors off does not count.
-    pub fn close(&mut self, booked: f64, is_refused: bool, was_off: bool) {
+    pub fn close(&mut self, recorded: f64, is_refused: bool, was_off: bool) {
         if self.is_begun && !is_refused && !was_off {
-            self.counted += booked - self.booked;
+            self.counted += recorded - self.recorded;
         }
-        self.booked = booked;
+        self.recorded = recorded;
         self.is_begun = !is_refused;
     }
 
@@ -31,8 +31,11 @@ impl CreatedEnergy {
         self.is_begun = false;
     }
 
-    /// Continues from `before`, where the renderer's generated energy is `booked` `[J]`.
-    pub fn go_on(&mut self, before: &Self, booked: f64) {
-        *self = Self { booked, ..*before };
+    /// Continues from `before`, where the renderer's generated energy is `recorded` `[J]`.
+    pub fn resume(&mut self, before: &Self, recorded: f64) {
+        *self = Self {
+            recorded,
+            ..*before
+        };
     }
 }

@@ -33,7 +33,7 @@ impl Delivered {
 mod tests {
     use super::*;
 
-    fn booked(leak: &mut Leak<f64>, last: f64) -> Leak<f64> {
+    fn recorded(leak: &mut Leak<f64>, last: f64) -> Leak<f64> {
         leak.last = last;
         leak.accumulated += last;
         leak.absolute += last.abs();
@@ -42,10 +42,10 @@ mod tests {
 
     #[test]
     fn what_passes_with_the_motors_off_is_no_leak_of_theirs() {
-        let (mut books, mut delivered) = (Leak::default(), Delivered::default());
+        let (mut ledger, mut delivered) = (Leak::default(), Delivered::default());
         let mut close = |last: Option<f64>, off| {
-            let before = books;
-            let after = last.map_or(before, |last| booked(&mut books, last));
+            let before = ledger;
+            let after = last.map_or(before, |last| recorded(&mut ledger, last));
             delivered.close(&before, &after, off);
             delivered
         };

@@ -11,8 +11,8 @@ use palpate_record::recording::{DeviceTick, Flags};
 
 use crate::held::HeldSince;
 use crate::note::Note;
-use crate::rendering::FreshDevice;
-use crate::safety::{Bounded, Looked, Rendered, Safety, Trip, Verdict};
+use crate::rendering::DeviceSample;
+use crate::safety::{Bounded, Observation, Rendered, Safety, SafetyStop, Verdict};
 use crate::tap::Teller;
 use crate::wire::posed;
 
@@ -25,9 +25,9 @@ const AHEAD: DeviceError = DeviceError {
 /// Result of reading a device.
 #[derive(Clone, Copy, Debug)]
 enum Sampled {
-    Fresh(Pose),
+    DeviceSamples(Pose),
     Missing,
-    Gone(Trip),
+    Gone(SafetyStop),
 }
 
 /// A device of a loop with its state.
@@ -48,7 +48,7 @@ pub(crate) struct Driven<D> {
     /// Time at which a supervisor or watchdog process commanded zero force, until it is recorded in the ledger.
     cut: Option<Duration>,
     /// Output of the renderer in this tick and result of its safety check.
-    looked: Option<(Rendered, Looked)>,
+    looked: Option<(Rendered, Observation)>,
     /// Wrench to command.
     pub verdict: Verdict,
     /// Held wrench, as reported by the device.
@@ -78,7 +78,7 @@ impl<D: Device> Driven<D> {
             verdict: Verdict {
                 wrench: Wrench::NONE,
                 bounded: Bounded::default(),
-                tripped: None,
+                stopped: None,
                 recovered: None,
             },
             delivered: Wrench::NONE,
@@ -99,11 +99,11 @@ impl<D: Device> Driven<D> {
         let read = self.device.read();
         let answered = clock.now();
         self.round_trip = answered.saturating_sub(asked);
-        let mut told = None;
+        let mut messages = None;
         self.sampled = match read {
             // Accepting it would make every sample up to that time outdated.
             Ok(reading) if reading.time > answered.saturating_add(period) => {
-                told = Some(AHEAD).filter(|_| self.safety.trip().is_none());
+                messages = Some(AHEAD).filter(|_| self.safety.safety_stop().is_none());
                 Sampled::Missing
             }
             Ok(reading) => {
@@ -112,35 +112,35 @@ impl<D: Device> Driven<D> {
                     Sampled::Missing
                 } else {
                     self.last = Some(reading);
-                    Sampled::Fresh(reading)
+                    Sampled::DeviceSamples(reading)
                 }
             }
             Err(error) => {
-                let is_news = self.safety.trip() != Some(Trip::DeviceRefused)
+                let is_news = self.safety.safety_stop() != Some(SafetyStop::DeviceRefused)
                     && error.kind != DeviceErrorKind::NothingNew;
-                told = Some(error).filter(|_| is_news);
+                messages = Some(error).filter(|_| is_news);
                 match error.kind {
                     DeviceErrorKind::NothingNew => Sampled::Missing,
-                    DeviceErrorKind::Refused => Sampled::Gone(Trip::DeviceRefused),
+                    DeviceErrorKind::Refused => Sampled::Gone(SafetyStop::DeviceRefused),
                     DeviceErrorKind::Disconnected => {
                         self.is_lost = true;
-                        Sampled::Gone(Trip::DeviceLost)
+                        Sampled::Gone(SafetyStop::DeviceLost)
                     }
                 }
             }
         };
-        if let Some(error) = told {
+        if let Some(error) = messages {
             teller.note(clock.now(), self.number, Note::Device(error));
         }
         answered
     }
 
     /// Returns the fresh sample of the device, if any, for the renderer.
-    fn fresh(&mut self) -> Option<FreshDevice> {
-        let Sampled::Fresh(reading) = self.sampled else {
+    fn fresh(&mut self) -> Option<DeviceSample> {
+        let Sampled::DeviceSamples(reading) = self.sampled else {
             return None;
         };
-        Some(FreshDevice {
+        Some(DeviceSample {
             position: reading.position,
             orientation: reading.orientation,
             held: self.held.take(reading.time),
@@ -148,12 +148,12 @@ impl<D: Device> Driven<D> {
     }
 
     fn is_fresh(&self) -> bool {
-        matches!(self.sampled, Sampled::Fresh(_))
+        matches!(self.sampled, Sampled::DeviceSamples(_))
     }
 
     /// Checks the sample for a reason to stop.
     fn look(&mut self, of_loop: Rendered, comes_in: bool) {
-        let Sampled::Fresh(reading) = self.sampled else {
+        let Sampled::DeviceSamples(reading) = self.sampled else {
             return;
         };
         let before = self.rendered_at.replace(reading.time);
@@ -176,20 +176,20 @@ impl<D: Device> Driven<D> {
     /// Determines the wrench in a tick without rendering, because this or another device has no sample.
     fn go_without(&mut self, stalled: bool) {
         self.verdict = match self.sampled {
-            Sampled::Gone(trip) => self.safety.trip_on(trip),
-            _ if stalled => self.safety.trip_on(Trip::Stalled),
+            Sampled::Gone(safety_stop) => self.safety.stop_on(safety_stop),
+            _ if stalled => self.safety.stop_on(SafetyStop::Stalled),
             Sampled::Missing => self.safety.missing(),
-            Sampled::Fresh(_) => self.safety.wait(),
+            Sampled::DeviceSamples(_) => self.safety.wait(),
         };
     }
 
     /// Commands zero force because another device of the loop has no force.
     fn withhold(&mut self) {
-        if self.safety.trip().is_none() {
-            let told = self.verdict;
+        if self.safety.safety_stop().is_none() {
+            let messages = self.verdict;
             self.verdict = Verdict {
-                tripped: told.tripped,
-                recovered: told.recovered,
+                stopped: messages.stopped,
+                recovered: messages.recovered,
                 ..self.safety.withhold()
             };
         }
@@ -206,14 +206,14 @@ impl<D: Device> Driven<D> {
                 let _ = self.device.write(Wrench::NONE);
                 self.has_failed = true;
                 teller.note(clock.now(), self.number, Note::Device(error));
-                let trip = if error.kind == DeviceErrorKind::Disconnected {
+                let safety_stop = if error.kind == DeviceErrorKind::Disconnected {
                     self.is_lost = true;
-                    Trip::DeviceLost
+                    SafetyStop::DeviceLost
                 } else {
-                    Trip::DeviceRefused
+                    SafetyStop::DeviceRefused
                 };
-                if let Some(trip) = self.safety.trip_on(trip).tripped {
-                    teller.note(clock.now(), self.number, Note::Tripped(trip));
+                if let Some(safety_stop) = self.safety.stop_on(safety_stop).stopped {
+                    teller.note(clock.now(), self.number, Note::Stopped(safety_stop));
                 }
                 Wrench::NONE
             }
@@ -233,12 +233,12 @@ impl<D: Device> Driven<D> {
     }
 
     /// Commands zero force, a second time if the device rejects it; nothing more is possible here.
-    fn let_go<C: Clock>(&mut self, clock: &C) {
+    fn disable_output<C: Clock>(&mut self, clock: &C) {
         if self.device.write(Wrench::NONE).is_err() {
             let _ = self.device.write(Wrench::NONE);
         }
         self.held.change(Wrench::NONE, clock.now());
-        self.safety.let_go();
+        self.safety.disable_output();
     }
 
     /// Returns the recorded data of the device at a tick.
@@ -252,7 +252,7 @@ impl<D: Device> Driven<D> {
             devices,
             flags: Flags::default()
                 .with(Flags::SAFETY_LIMITED, self.verdict.bounded.any())
-                .with(Flags::SAFETY_TRIPPED, self.safety.trip().is_some())
+                .with(Flags::SAFETY_STOPPED, self.safety.safety_stop().is_some())
                 .with(Flags::DEVICE_FAULT, !self.is_fresh()),
             time: pose.map_or(f64::NAN, |pose| {
                 pose.time.saturating_sub(started).as_secs_f64()
@@ -273,7 +273,7 @@ impl<D: Device> Driven<D> {
 pub(crate) struct Devices<D> {
     all: Vec<Driven<D>>,
     /// Scratch buffer for a sample of all devices.
-    samples: Vec<FreshDevice>,
+    samples: Vec<DeviceSample>,
     /// Requested wrench of each device; scratch buffer of a tick.
     asked: Vec<Wrench>,
     /// Recorded data of each device at the last tick; empty for a single device.
@@ -361,7 +361,7 @@ impl<D: Device> Devices<D> {
     }
 
     /// Returns the samples of all devices, if all are fresh, and the buffer for the requested wrenches.
-    pub fn samples(&mut self) -> (&[FreshDevice], &mut [Wrench]) {
+    pub fn samples(&mut self) -> (&[DeviceSample], &mut [Wrench]) {
         self.samples.clear();
         let devices = self.all.iter_mut();
         self.samples.extend(devices.filter_map(Driven::fresh));
@@ -371,7 +371,7 @@ impl<D: Device> Devices<D> {
     /// Limits the requested wrench of each device by its safety, in two rounds: a stop of one device removes the
     /// forces of all devices. `of_loop` contains the data common to all. Only the first safety monitors the generated
     /// energy, which belongs to the whole loop.
-    pub fn judge(&mut self, of_loop: &Rendered) {
+    pub fn evaluate(&mut self, of_loop: &Rendered) {
         let comes_in = self.iter().any(|driven| driven.safety.is_not_all_there());
         let mut created_energy = of_loop.created_energy;
         for (driven, wrench) in self.all.iter_mut().zip(&self.asked) {
@@ -400,7 +400,7 @@ impl<D: Device> Devices<D> {
     /// Removes the forces of all devices because the loop stalled.
     pub fn stall(&mut self) {
         for driven in self.iter_mut() {
-            driven.verdict = driven.safety.trip_on(Trip::Stalled);
+            driven.verdict = driven.safety.stop_on(SafetyStop::Stalled);
         }
         self.withhold_where_one_is_off();
     }
@@ -435,7 +435,8 @@ impl<D: Device> Devices<D> {
 
     /// Returns whether a safety stop of any device keeps all forces off.
     pub fn are_off(&self) -> bool {
-        self.iter().any(|driven| driven.safety.trip().is_some())
+        self.iter()
+            .any(|driven| driven.safety.safety_stop().is_some())
     }
 
     /// Returns whether a limit changed the requested wrench of any device.
@@ -444,10 +445,11 @@ impl<D: Device> Devices<D> {
     }
 
     /// Returns the active safety stop with the index of its device; a latched stop precedes a self-clearing one.
-    pub fn trip(&self) -> Option<(usize, Trip)> {
-        let trips = self.iter().enumerate();
-        let trips = trips.filter_map(|(number, driven)| Some((number, driven.safety.trip()?)));
-        trips.min_by_key(|(_, trip)| trip.is_passing())
+    pub fn safety_stop(&self) -> Option<(usize, SafetyStop)> {
+        let safety_stops = self.iter().enumerate();
+        let safety_stops = safety_stops
+            .filter_map(|(number, driven)| Some((number, driven.safety.safety_stop()?)));
+        safety_stops.min_by_key(|(_, safety_stop)| safety_stop.is_passing())
     }
 
     /// Ends the latched safety stops. Returns whether there was one.
@@ -465,7 +467,7 @@ impl<D: Device> Devices<D> {
 
     /// Returns whether a watchdog process has commanded zero force on a device since the last call; `at` is then the
     /// time.
-    pub fn were_cut_by_guardians(&mut self, at: Duration) -> bool {
+    pub fn were_cut_by_watchdogs(&mut self, at: Duration) -> bool {
         let mut were_cut = false;
         for driven in self.iter_mut() {
             if driven.device.was_cut() {
@@ -478,7 +480,7 @@ impl<D: Device> Devices<D> {
 
     /// Records in the ledger which devices held no force and since when. Returns the time since which no device held
     /// a force, if all were cut.
-    pub fn book_cuts(&mut self) -> Option<Duration> {
+    pub fn record_cuts(&mut self) -> Option<Duration> {
         let mut all = Some(Duration::ZERO);
         for driven in self.iter_mut() {
             let cut = driven.cut.take();
@@ -508,11 +510,11 @@ impl<D: Device> Devices<D> {
     ///
     /// # Panics
     /// A device panicked; all devices have been commanded by then.
-    pub fn let_go<C: Clock>(&mut self, clock: &C) {
-        self.each(|driven| driven.let_go(clock));
+    pub fn disable_output<C: Clock>(&mut self, clock: &C) {
+        self.each(|driven| driven.disable_output(clock));
     }
 
-    /// Commands zero force through the zero writers of the devices, in the same manner as [`let_go`](Self::let_go).
+    /// Commands zero force through the zero writers of the devices, in the same manner as [`disable_output`](Self::disable_output).
     ///
     /// # Panics
     /// A device panicked; all devices have been commanded by then.

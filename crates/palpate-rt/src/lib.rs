@@ -52,20 +52,13 @@ mod deadlines;
 mod delivered;
 mod driven;
 mod fade;
-#[cfg(unix)]
-#[allow(
-    clippy::disallowed_methods,
-    clippy::disallowed_types,
-    reason = "starts a process, and is what runs in it; what a driver says in a tick is said without waiting"
-)]
-pub mod guardian;
 mod held;
 mod lateness_watch;
+mod metadata;
 mod motors_off;
 mod note;
 #[allow(clippy::disallowed_methods, reason = "asks before the first tick")]
 pub mod realtime;
-mod receipt;
 #[allow(
     clippy::disallowed_methods,
     clippy::disallowed_types,
@@ -86,24 +79,31 @@ mod tap;
     reason = "starts and joins threads; ticks are made in `control_loop`"
 )]
 mod thread;
+#[cfg(unix)]
+#[allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_types,
+    reason = "starts a process, and is what runs in it; what a driver says in a tick is said without waiting"
+)]
+pub mod watchdog;
 mod wire;
 
 pub use bounded_local_world::{BoundedLocalWorld, HeldLocal, bounded_local_world};
 pub use bounded_world::{Answered, BoundedWorld, Held, WorldSafety};
 pub use control_loop::ControlLoop;
-pub use note::{Ending, Note, Noted};
-pub use receipt::{NoFrame, OnDevice, frames_of_devices, receipt, receipt_of_devices};
+pub use metadata::{NoFrame, OnDevice, frames_of_devices, metadata, metadata_of_devices};
+pub use note::{Ending, LoopEvent, Note};
 pub use recorder::{Account, Recorder};
 pub use rendering::{
-    Answer, CHANGE_DURATION, ChangeError, ChangingWorld, FrameError, Fresh, FreshDevice,
-    LocalWorld, OneContact, Parameters, Rendered, RenderedWorld, Rendering, Renders, SlowHost,
-    Turns, WorldAxis, WorldChangeError, WorldFrame, WorldRows, Worlds, changing_world, local_world,
-    parameters,
+    Answer, CHANGE_DURATION, ChangeError, ChangingWorld, DeviceSample, DeviceSamples, FrameError,
+    LocalWorld, LowRateSimulator, OneContact, Parameters, Rendered, RenderedWorld, Rendering,
+    Renders, Turns, WorldAxis, WorldChangeError, WorldFrame, WorldRows, Worlds, changing_world,
+    local_world, parameters,
 };
 pub use setup::SetupError;
 pub use statistics::{Durations, LoopStatistics};
 pub use stop::StopFlag;
-pub use tap::{Counted, Listener, Tap, Told, tap};
+pub use tap::{Counters, Listener, Message, Tap, tap};
 pub use thread::{LoopEnd, LoopThread};
 pub use wire::answered;
 

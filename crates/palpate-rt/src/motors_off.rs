@@ -62,7 +62,7 @@ impl MotorsOff {
     }
 
     /// Ends or pauses the accumulation; later time does not count.
-    pub fn let_go(&mut self) {
+    pub fn disable_output(&mut self) {
         let Self { time, .. } = *self;
         *self = Self {
             time,
@@ -147,7 +147,7 @@ mod tests {
         });
         assert_eq!(was_off_before, (100, 100));
         // The supervisor's report arrives first, the earlier cut of the watchdog in the next tick.
-        let told_late = after(|off| {
+        let reported_late = after(|off| {
             off.tick(ms(0), ms(0), false);
             off.cut(ms(3004));
             off.tick(ms(1), ms(3006), true);
@@ -155,7 +155,7 @@ mod tests {
             off.cut(ms(4));
             off.tick(ms(3007), ms(3007), false);
         });
-        assert_eq!(told_late, (3007, 3003));
+        assert_eq!(reported_late, (3007, 3003));
         // A stall within a tick that commands a force at its end.
         let within_a_tick = after(|off| {
             off.tick(ms(0), ms(0), false);
@@ -172,7 +172,7 @@ mod tests {
     fn a_pause_between_two_runs_counts_as_neither() {
         let paused = after(|off| {
             off.tick(ms(0), ms(1), true);
-            off.let_go();
+            off.disable_output();
             off.tick(ms(1000), ms(1001), false);
         });
         assert_eq!(paused, (2, 0));

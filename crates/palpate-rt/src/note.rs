@@ -4,7 +4,7 @@ use palpate::Fault;
 use palpate_record::recording::Event;
 
 use crate::rendering::Rendering;
-use crate::safety::Trip;
+use crate::safety::SafetyStop;
 use palpate_device::DeviceError;
 
 /// An event of the loop.
@@ -15,9 +15,9 @@ use palpate_device::DeviceError;
     reason = "a tick hands it over without allocating, so it cannot be boxed"
 )]
 pub enum Note {
-    /// A safety stop has begun: no force is sent. [`Trip::Oscillation`] has its own event.
-    Tripped(Trip),
-    /// A safety stop with [`Trip::Oscillation`] has begun.
+    /// A safety stop has begun: no force is sent. [`SafetyStop::Oscillation`] has its own event.
+    Stopped(SafetyStop),
+    /// A safety stop with [`SafetyStop::Oscillation`] has begun.
     Oscillated {
         /// Method whose held forces generated the energy.
         method: &'static str,
@@ -25,7 +25,7 @@ pub enum Note {
         renders_now: &'static str,
     },
     /// A safety stop has ended.
-    Recovered(Trip),
+    Recovered(SafetyStop),
     /// The safety was rearmed.
     Rearmed,
     /// The renderer rejected a sample.
@@ -99,7 +99,7 @@ impl Ending {
 
 /// An event and its tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noted {
+pub struct LoopEvent {
     /// Number of the tick.
     pub sequence: u64,
     /// Time since the loop's start `[s]`.
@@ -110,7 +110,7 @@ pub struct Noted {
     pub note: Note,
 }
 
-impl Noted {
+impl LoopEvent {
     /// Returns the event as stored in recordings.
     #[must_use]
     pub fn event(&self) -> Event {
@@ -122,17 +122,20 @@ impl Noted {
     #[must_use]
     pub fn event_of(&self, names: &[String]) -> Event {
         let (kind, text) = match self.note {
-            Note::Tripped(trip) => (format!("trip-{}", trip.name()), trip.to_string()),
+            Note::Stopped(safety_stop) => (
+                format!("safety-stop-{}", safety_stop.name()),
+                safety_stop.to_string(),
+            ),
             Note::Oscillated {
                 method,
                 renders_now,
             } => (
-                format!("trip-{}", Trip::Oscillation.name()),
+                format!("safety-stop-{}", SafetyStop::Oscillation.name()),
                 oscillated(method, renders_now),
             ),
-            Note::Recovered(trip) => (
+            Note::Recovered(safety_stop) => (
                 "recovered".to_owned(),
-                format!("no longer: {trip}; the force comes back"),
+                format!("no longer: {safety_stop}; the force comes back"),
             ),
             Note::Rearmed => (
                 "rearmed".to_owned(),
@@ -175,7 +178,7 @@ impl Noted {
     }
 }
 
-impl Noted {
+impl LoopEvent {
     /// Returns the text of an event of one device of several.
     fn of_device(&self, device: u32, names: &[String], text: &str) -> String {
         let name = usize::try_from(device).ok().and_then(|at| names.get(at));
@@ -184,8 +187,8 @@ impl Noted {
             |name| format!("device `{name}`"),
         );
         match self.note {
-            Note::Tripped(_) => format!("{of}: {text}; no device has a force"),
-            Note::Recovered(trip) => format!("{of}: no longer: {trip}"),
+            Note::Stopped(_) => format!("{of}: {text}; no device has a force"),
+            Note::Recovered(safety_stop) => format!("{of}: no longer: {safety_stop}"),
             _ => format!("{of}: {text}"),
         }
     }

@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 
 use palpate_files::atomic::WriteError;
 use palpate_record::recording::{
-    ContactTick, DeviceTick, Event, LoopCount, LoopTime, Receipt, RecordingWriter, Row, Summary,
-    Tick,
+    ContactTick, DeviceTick, Event, LoopCount, LoopTime, RecordingMetadata, RecordingWriter, Row,
+    Summary, Tick,
 };
 
 use crate::note::Ending;
-use crate::tap::{Counted, Listener, Tap, Told, tap, tap_if_there_is_memory};
+use crate::tap::{Counters, Listener, Message, Tap, tap, tap_if_there_is_memory};
 
 /// Maximum age of data that an abnormal end of the program can lose.
 const FLUSH_EVERY: Duration = Duration::from_millis(250);
@@ -73,7 +73,7 @@ impl Account {
     }
 
     /// Stores the counters of the loop.
-    pub fn counted(&mut self, counted: &Counted) {
+    pub fn counted(&mut self, counted: &Counters) {
         self.ticks_made = counted.ticks;
         self.events_made = counted.notes;
         self.motors_off = counted.motors_off;
@@ -119,8 +119,8 @@ impl Recorder {
     ///
     /// # Errors
     /// The file exists already or cannot be written; the system cannot create a thread.
-    pub fn begin(path: &Path, receipt: &Receipt) -> Result<(Tap, Self), WriteError> {
-        Self::begin_with_room(path, receipt, Self::ROOM)
+    pub fn begin(path: &Path, metadata: &RecordingMetadata) -> Result<(Tap, Self), WriteError> {
+        Self::begin_with_room(path, metadata, Self::ROOM)
     }
 
     /// Starts a recording as [`begin`](Self::begin) does, with a capacity of `room` ticks of one contact, about 1 KiB
@@ -131,12 +131,12 @@ impl Recorder {
     /// file exists already or cannot be written. No file remains then.
     pub fn begin_with_room(
         path: &Path,
-        receipt: &Receipt,
+        metadata: &RecordingMetadata,
         room: usize,
     ) -> Result<(Tap, Self), WriteError> {
         let failed = |source| WriteError::new(path, source);
         let ends = tap_if_there_is_memory(room).map_err(failed)?;
-        let writer = RecordingWriter::create(path, receipt)?;
+        let writer = RecordingWriter::create(path, metadata)?;
         let part = writer.part().to_owned();
         Self::on_thread(Some(writer), ends).map_err(|source| {
             // Remove the empty recording.
@@ -171,7 +171,7 @@ impl Recorder {
         (tap, mut listener): (Tap, Listener),
     ) -> io::Result<(Tap, Self)> {
         let failure = Arc::new(OnceLock::new());
-        let told = Arc::clone(&failure);
+        let messages = Arc::clone(&failure);
         let thread = Builder::new()
             .name("palpate recorder".to_owned())
             .spawn(move || {
@@ -179,7 +179,7 @@ impl Recorder {
                 let mut writing = Writing {
                     writer,
                     failed: None,
-                    told,
+                    messages,
                 };
                 write_down(&mut listener, &mut writing, &mut account);
                 // The tap was closed before the last item was received, so the data are complete.
@@ -211,7 +211,7 @@ impl Recorder {
 struct Writing {
     writer: Option<RecordingWriter>,
     failed: Option<WriteError>,
-    told: Arc<OnceLock<String>>,
+    messages: Arc<OnceLock<String>>,
 }
 
 impl Writing {
@@ -236,7 +236,7 @@ impl Writing {
     fn fail(&mut self, error: WriteError) {
         self.writer = None;
         // Reported once.
-        let _ = self.told.set(error.to_string());
+        let _ = self.messages.set(error.to_string());
         self.failed = Some(error);
     }
 }
@@ -247,7 +247,7 @@ fn length(vector: [f64; 3]) -> f64 {
 }
 
 /// Returns the counters as stored in recordings.
-fn count(counted: &Counted) -> LoopCount {
+fn count(counted: &Counters) -> LoopCount {
     LoopCount {
         ticks: counted.ticks,
         events: counted.notes,
@@ -265,19 +265,19 @@ fn write_down(listener: &mut Listener, writing: &mut Writing, account: &mut Acco
         let mut rested = true;
         // Take a limited part of the ring at a time, so that a fast loop cannot delay the flush.
         for _ in 0..Recorder::ROOM / 16 {
-            let Some(told) = listener.next() else {
+            let Some(messages) = listener.next() else {
                 break;
             };
             rested = false;
-            match told {
-                Told::Tick(tick, contacts, bodies, devices) => {
+            match messages {
+                Message::Tick(tick, contacts, bodies, devices) => {
                     account.tick(&tick, &contacts);
                     account.devices(&devices);
                     writing.write(|writer| {
                         writer.append_with_devices(&tick, &contacts, &bodies, &devices)
                     });
                 }
-                Told::Note(noted) => {
+                Message::Note(noted) => {
                     let event = noted.event_of(listener.device_names());
                     writing.write(|writer| writer.event(&event));
                     account.event(event);

@@ -7,19 +7,19 @@ use std::time::Duration;
 
 use palpate_record::recording::{BodyTick, ContactTick, DeviceTick, Flags, LoopTime, Tick};
 
-use crate::note::{Ending, Note, Noted};
+use crate::note::{Ending, LoopEvent, Note};
 use crate::tally::{Counts, Tally};
 
 /// Message of a loop.
 // Most messages are ticks, so the size difference of the variants wastes little memory.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
-pub enum Told {
+pub enum Message {
     /// A tick with all its contacts, the moving bodies of a world, and the devices of a loop with several devices
     /// (empty for a single device).
     Tick(Tick, Vec<ContactTick>, Vec<BodyTick>, Vec<DeviceTick>),
     /// An event.
-    Note(Noted),
+    Note(LoopEvent),
 }
 
 /// Item of the ring buffer. A tick follows its devices, if there are several, and precedes its contacts and its
@@ -32,12 +32,12 @@ enum Passed {
     Contact(ContactTick),
     Body(BodyTick),
     Device(DeviceTick),
-    Note(Noted),
+    Note(LoopEvent),
 }
 
 /// Counters of a loop. They are atomics outside the ring buffer, so they stay exact when ticks are dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counted {
+pub struct Counters {
     /// Number of ticks.
     pub ticks: u64,
     /// Number of events.
@@ -52,7 +52,7 @@ pub struct Counted {
     pub ending: Option<Ending>,
 }
 
-impl From<Counts> for Counted {
+impl From<Counts> for Counters {
     fn from(counts: Counts) -> Self {
         Self {
             ticks: counts.ticks,
@@ -154,7 +154,7 @@ impl Tap {
         devices: &[DeviceTick],
     ) {
         self.tally.made(tick.sequence.saturating_add(1));
-        if tick.flags.has(Flags::SAFETY_TRIPPED) {
+        if tick.flags.has(Flags::SAFETY_STOPPED) {
             self.tally.was_off();
         }
         let passed = Passed::Tick(Tick {
@@ -183,14 +183,14 @@ impl Tap {
     }
 
     /// Sends an event.
-    pub fn note(&mut self, noted: &Noted) {
+    pub fn note(&mut self, noted: &LoopEvent) {
         self.tally.noted();
         self.push(1, iter::once(Passed::Note(*noted)));
     }
 
     /// Sets the numbers of ticks, events and ticks with the motors off, and the times, if not all of them were sent
     /// here. The number of dropped items is unchanged.
-    pub fn count(&mut self, counted: &Counted) {
+    pub fn count(&mut self, counted: &Counters) {
         self.tally.set(&Counts {
             ticks: counted.ticks,
             notes: counted.notes,
@@ -203,7 +203,7 @@ impl Tap {
 
     /// Returns the current counters.
     #[must_use]
-    pub fn counted(&self) -> Counted {
+    pub fn counted(&self) -> Counters {
         self.tally.counts().into()
     }
 
@@ -266,7 +266,7 @@ impl Teller {
     /// Sends an event at `now`, with its device if the loop has several.
     pub fn note(&mut self, now: Duration, device: Option<u32>, note: Note) {
         if let Some(tap) = &mut self.tap {
-            tap.note(&Noted {
+            tap.note(&LoopEvent {
                 sequence: self.sequence,
                 time: now.saturating_sub(self.started).as_secs_f64(),
                 device,
@@ -291,7 +291,7 @@ impl Listener {
 
     /// Returns the current counters; they are final if [`is_closed`](Self::is_closed) returned true before.
     #[must_use]
-    pub fn counted(&self) -> Counted {
+    pub fn counted(&self) -> Counters {
         self.tally.counts().into()
     }
 
@@ -310,13 +310,13 @@ impl Listener {
 }
 
 impl Iterator for Listener {
-    type Item = Told;
+    type Item = Message;
 
-    fn next(&mut self) -> Option<Told> {
+    fn next(&mut self) -> Option<Message> {
         let mut devices = Vec::new();
         loop {
             match self.incoming.pop().ok()? {
-                Passed::Note(noted) => return Some(Told::Note(noted)),
+                Passed::Note(noted) => return Some(Message::Note(noted)),
                 Passed::Tick(tick) => {
                     let contacts = (0..tick.contacts).map_while(|_| match self.incoming.pop() {
                         Ok(Passed::Contact(contact)) => Some(contact),
@@ -327,7 +327,7 @@ impl Iterator for Listener {
                         Ok(Passed::Body(body)) => Some(body),
                         _ => None,
                     });
-                    return Some(Told::Tick(tick, contacts, bodies.collect(), devices));
+                    return Some(Message::Tick(tick, contacts, bodies.collect(), devices));
                 }
                 Passed::Device(device) => devices.push(device),
                 // Unreachable: the tick before them has taken them.
@@ -363,15 +363,15 @@ mod tests {
     }
 
     /// Returns the number of each tick and the penetrations of its contacts.
-    fn told(listener: &mut Listener) -> Vec<(u64, Vec<f64>)> {
+    fn messages(listener: &mut Listener) -> Vec<(u64, Vec<f64>)> {
         listener
-            .map(|told| match told {
-                Told::Tick(tick, contacts, _, _) => {
+            .map(|messages| match messages {
+                Message::Tick(tick, contacts, _, _) => {
                     assert_eq!(tick.contacts as usize, contacts.len());
                     let depths = contacts.iter().map(|contact| contact.penetration);
                     (tick.sequence, depths.collect())
                 }
-                Told::Note(noted) => panic!("{noted:?}"),
+                Message::Note(noted) => panic!("{noted:?}"),
             })
             .collect()
     }
@@ -388,10 +388,10 @@ mod tests {
         tap.tick(&tick(4), &contacts(1));
         assert_eq!(tap.lost(), 2);
         let expected = [(0, vec![0.0, 1.0, 2.0]), (1, vec![0.0]), (3, vec![])];
-        assert_eq!(told(&mut listener), expected);
+        assert_eq!(messages(&mut listener), expected);
         // There is free capacity, and the ring now wraps around within a tick.
         tap.tick(&tick(5), &contacts(3));
-        assert_eq!(told(&mut listener), [(5, vec![0.0, 1.0, 2.0])]);
+        assert_eq!(messages(&mut listener), [(5, vec![0.0, 1.0, 2.0])]);
         // Each of several devices needs capacity too, and arrives with its tick.
         let device = DeviceTick {
             devices: 2,
@@ -399,17 +399,17 @@ mod tests {
         };
         tap.tick_with_devices(&tick(8), &contacts(6), &[], &[device; 2]);
         tap.tick_with_devices(&tick(9), &contacts(5), &[], &[device; 2]);
-        let Some(Told::Tick(told_of, of_contacts, _, devices)) = listener.next() else {
+        let Some(Message::Tick(model_of, of_contacts, _, devices)) = listener.next() else {
             panic!("there was room for the second");
         };
         assert_eq!(
-            (told_of.sequence, of_contacts.len(), devices.len()),
+            (model_of.sequence, of_contacts.len(), devices.len()),
             (9, 5, 2)
         );
         assert_eq!((tap.lost(), listener.next().is_none()), (3, true));
         // More contacts than the capacity are lost also by a waiting tap.
         let mut tap = tap.waiting();
         tap.tick(&tick(6), &contacts(8));
-        assert_eq!((tap.lost(), told(&mut listener)), (4, vec![]));
+        assert_eq!((tap.lost(), messages(&mut listener)), (4, vec![]));
     }
 }

@@ -11,7 +11,7 @@ use crate::control_loop::ControlLoop;
 use crate::note::Ending;
 use crate::realtime::{Answer, Request};
 use crate::rendering::{OneContact, Parameters, Renders};
-use crate::safety::{Heartbeat, Trip};
+use crate::safety::{Heartbeat, SafetyStop};
 use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
 use palpate_device::Device;
@@ -36,7 +36,7 @@ pub struct LoopEnd<D: Device, C: Clock, R: Renders = OneContact> {
     /// Timing statistics.
     pub statistics: LoopStatistics,
     /// Safety stop that held the force at 0 at the end, if any.
-    pub trip: Option<Trip>,
+    pub safety_stop: Option<SafetyStop>,
     /// Number of zero commands by the supervisor.
     pub cuts: u64,
     /// Message of the panic, if a tick panicked.
@@ -61,7 +61,7 @@ impl<D: Device + 'static, C: Clock, R: Renders + 'static> LoopThread<D, C, R> {
         let rearm = control.rearm();
         let heartbeat = control.heartbeat();
         let ended = Arc::new(AtomicBool::new(false));
-        let (told_beside, answered_beside) = std::sync::mpsc::channel();
+        let (sent_beside, answered_beside) = std::sync::mpsc::channel();
         let supervisor = control
             .supervisor()
             .filter(|_| C::RUNS)
@@ -78,20 +78,20 @@ impl<D: Device + 'static, C: Clock, R: Renders + 'static> LoopThread<D, C, R> {
                             priority,
                             ..Request::nothing()
                         };
-                        let _ = told_beside.send(beside.ask());
+                        let _ = sent_beside.send(beside.ask());
                         supervisor.watch(&clock, interval, &ended);
                     })
             })
             .transpose()?;
         // Before the loop starts: a loop that never sleeps might not let the supervisor make its requests.
         let beside = answered_beside.recv().unwrap_or_default();
-        let (told, answered) = std::sync::mpsc::channel();
+        let (messages, answered) = std::sync::mpsc::channel();
         let (stopped, over) = (stop.clone(), Arc::clone(&ended));
         let thread = Builder::new()
             .name("palpate loop".to_owned())
             .spawn(move || {
                 let _over = Over(over);
-                let _ = told.send(request.ask());
+                let _ = messages.send(request.ask());
                 run(control, &stopped, most)
             });
         let thread = thread.inspect_err(|_| ended.store(true, Ordering::Release))?;
@@ -208,7 +208,7 @@ fn run<D: Device, C: Clock, R: Renders>(
         Ok(ending) => (ending, None),
         Err(payload) => {
             // The panic may come from the device.
-            if catch_unwind(AssertUnwindSafe(|| control.let_go())).is_err() {
+            if catch_unwind(AssertUnwindSafe(|| control.disable_output())).is_err() {
                 let _ = catch_unwind(AssertUnwindSafe(|| control.cut_off()));
             }
             (Ending::Panicked, Some(words(payload.as_ref())))
@@ -218,7 +218,7 @@ fn run<D: Device, C: Clock, R: Renders>(
     LoopEnd {
         ending,
         statistics: control.statistics().clone(),
-        trip: control.trip(),
+        safety_stop: control.safety_stop(),
         cuts: control.cuts(),
         panic,
         control,

@@ -13,7 +13,7 @@ pub fn answered(output: &Output<f64>, ledger: &Ledger<f64>) -> ContactTick {
         object_position: output.object_position,
         object_velocity: output.object_velocity,
         penetration: output.penetration,
-        placement_shift: output.placement_shift,
+        object_shift: output.object_shift,
         force_on_object: output.force_on_object,
         force_on_device: output.force_on_device,
         phase: phase(output.phase),
@@ -23,12 +23,12 @@ pub fn answered(output: &Output<f64>, ledger: &Ledger<f64>) -> ContactTick {
             .with(Flags::LIMITED_FORCE, limited.force)
             .with(Flags::LIMITED_SLEW, limited.slew)
             .with(Flags::LIMITED_GUARD, limited.guard),
-        ..booked(ContactTick::UNKNOWN, ledger)
+        ..recorded(ContactTick::UNKNOWN, ledger)
     }
 }
 
 /// Adds the values of the ledger to a contact.
-pub(crate) fn booked(contact: ContactTick, ledger: &Ledger<f64>) -> ContactTick {
+pub(crate) fn recorded(contact: ContactTick, ledger: &Ledger<f64>) -> ContactTick {
     ContactTick {
         stored_energy: ledger.stored,
         port_work: ledger.port_work,
@@ -81,7 +81,7 @@ mod tests {
             penetration: 5.0,
             phase: palpate::Phase::Enters,
             transition_after: -1.0,
-            placement_shift: 6.0,
+            object_shift: 6.0,
             limited: palpate::Limited {
                 slew: true,
                 ..palpate::Limited::default()
@@ -102,7 +102,7 @@ mod tests {
             object_position: 3.0,
             object_velocity: 4.0,
             penetration: 5.0,
-            placement_shift: 6.0,
+            object_shift: 6.0,
             stored_energy: 7.0,
             port_work: 8.0,
             virtual_force_work: 9.0,

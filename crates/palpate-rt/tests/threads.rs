@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use palpate::{AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::clock::{Clock, MonotonicClock};
 use palpate_device::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter};
-use palpate_record::recording::{ContactTick, Entry, Receipt, Recording, Tick};
+use palpate_record::recording::{ContactTick, Entry, Recording, RecordingMetadata, Tick};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Ending, LoopThread, Recorder, Rendering, StopFlag};
@@ -33,7 +33,7 @@ struct Seen {
 
 /// Fault of a read.
 #[derive(Clone, Copy)]
-enum Trouble {
+enum FaultKind {
     None,
     Panics,
     /// Blocks until the test releases it.
@@ -41,14 +41,14 @@ enum Trouble {
 }
 
 /// A device 1 mm deep in a wall of 1000 N/m, with a fault at its hundredth read.
-struct Troubled {
+struct Faulty {
     clock: MonotonicClock,
     capabilities: Capabilities,
-    trouble: Trouble,
+    trouble: FaultKind,
     seen: Arc<Seen>,
 }
 
-impl Device for Troubled {
+impl Device for Faulty {
     fn capabilities(&self) -> &Capabilities {
         &self.capabilities
     }
@@ -56,9 +56,9 @@ impl Device for Troubled {
     fn read(&mut self) -> Result<Pose, DeviceError> {
         if self.seen.reads.fetch_add(1, Ordering::SeqCst) == 100 {
             match self.trouble {
-                Trouble::None => {}
-                Trouble::Panics => panic!("the cable is on fire"),
-                Trouble::Hangs => {
+                FaultKind::None => {}
+                FaultKind::Panics => panic!("the cable is on fire"),
+                FaultKind::Hangs => {
                     while !self.seen.is_released.load(Ordering::SeqCst) {
                         sleep(Duration::from_millis(1));
                     }
@@ -93,12 +93,12 @@ impl Device for Troubled {
     }
 }
 
-type Troubles = ControlLoop<Troubled, MonotonicClock>;
+type FaultyLoop = ControlLoop<Faulty, MonotonicClock>;
 
-fn control(trouble: Trouble, period: f64) -> (Troubles, Arc<Seen>) {
+fn control(trouble: FaultKind, period: f64) -> (FaultyLoop, Arc<Seen>) {
     let clock = MonotonicClock::new();
     let seen = Arc::new(Seen::default());
-    let device = Troubled {
+    let device = Faulty {
         clock,
         capabilities: Capabilities::unknown("troubled", 1),
         trouble,
@@ -122,7 +122,7 @@ fn control(trouble: Trouble, period: f64) -> (Troubles, Arc<Seen>) {
     (control, seen)
 }
 
-fn start(control: Troubles, stop: &StopFlag) -> LoopThread<Troubled, MonotonicClock> {
+fn start(control: FaultyLoop, stop: &StopFlag) -> LoopThread<Faulty, MonotonicClock> {
     LoopThread::start(control, Request::default(), stop, None).unwrap()
 }
 
@@ -143,7 +143,7 @@ fn force(seen: &Seen) -> f64 {
 
 #[test]
 fn it_runs_until_it_is_stopped_and_leaves_no_force() {
-    let (control, seen) = control(Trouble::None, 0.002);
+    let (control, seen) = control(FaultKind::None, 0.002);
     let stop = StopFlag::new();
     let running = start(control, &stop);
     let (of_loop, of_supervisor) = running.answers().split_at(2);
@@ -173,7 +173,7 @@ fn it_runs_until_it_is_stopped_and_leaves_no_force() {
 
 #[test]
 fn a_loop_that_nobody_waits_for_leaves_no_force() {
-    let (control, seen) = control(Trouble::None, 0.002);
+    let (control, seen) = control(FaultKind::None, 0.002);
     let running = start(control, &StopFlag::new());
     wait_for_reads(&seen, 20);
     drop(running);
@@ -185,7 +185,7 @@ fn a_loop_that_nobody_waits_for_leaves_no_force() {
 
 #[test]
 fn a_loop_without_a_thread_leaves_no_force_when_it_is_dropped() {
-    let (mut control, seen) = control(Trouble::None, 0.001);
+    let (mut control, seen) = control(FaultKind::None, 0.001);
     control.tick();
     assert_eq!(force(&seen), -1.0);
     drop(control);
@@ -194,7 +194,7 @@ fn a_loop_without_a_thread_leaves_no_force_when_it_is_dropped() {
 
 #[test]
 fn a_panic_leaves_no_force_and_is_told() {
-    let (control, seen) = control(Trouble::Panics, 0.001);
+    let (control, seen) = control(FaultKind::Panics, 0.001);
     let end = start(control, &StopFlag::new()).join();
     assert_eq!(end.ending, Ending::Panicked);
     assert_eq!(end.panic.as_deref(), Some("the cable is on fire"));
@@ -206,7 +206,7 @@ fn a_panic_leaves_no_force_and_is_told() {
 #[test]
 fn a_read_that_hangs_is_cut_by_the_supervisor() {
     // At 50 Hz, so that other programs do not delay the loop.
-    let (control, seen) = control(Trouble::Hangs, 0.02);
+    let (control, seen) = control(FaultKind::Hangs, 0.02);
     let running = start(control, &StopFlag::new());
     wait_for_reads(&seen, 101);
     let hung = Instant::now();
@@ -233,8 +233,8 @@ fn a_read_that_hangs_is_cut_by_the_supervisor() {
 fn what_a_loop_does_is_recorded_tick_by_tick() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
-    let (control, _seen) = control(Trouble::None, 0.00025);
-    let (tap, recorder) = Recorder::begin(&path, &Receipt::new("test")).unwrap();
+    let (control, _seen) = control(FaultKind::None, 0.00025);
+    let (tap, recorder) = Recorder::begin(&path, &RecordingMetadata::new("test")).unwrap();
     let running = LoopThread::start(
         control.tapped(tap),
         Request::default(),
@@ -276,7 +276,8 @@ fn without_memory_no_recording_is_begun() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     for room in [1 << 50, usize::MAX] {
-        let error = Recorder::begin_with_room(&path, &Receipt::new("test"), room).unwrap_err();
+        let error =
+            Recorder::begin_with_room(&path, &RecordingMetadata::new("test"), room).unwrap_err();
         assert_eq!(error.source.kind(), std::io::ErrorKind::OutOfMemory);
         let words = error.to_string();
         assert!(
@@ -299,7 +300,7 @@ fn a_tail_that_finds_no_room_is_counted_in_the_file() {
 fn tail_without_room(contacts: usize) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("late.mcap");
-    let (mut tap, recorder) = Recorder::begin(&path, &Receipt::new("test")).unwrap();
+    let (mut tap, recorder) = Recorder::begin(&path, &RecordingMetadata::new("test")).unwrap();
     let mut made = 0;
     // Continue until an item is dropped.
     loop {

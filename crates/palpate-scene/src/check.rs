@@ -13,7 +13,7 @@ use super::{
 const LARGEST: f64 = 1e12;
 
 /// Longest delay `[samples]`, that of the bench's hold.
-const MOST_DELAY: usize = DelayedHold::LONGEST_DELAY;
+const MAX_DELAY: usize = DelayedHold::LONGEST_DELAY;
 
 /// A parameter of a scene outside its range.
 pub type SceneParameterError = ParameterError<Of>;
@@ -71,7 +71,7 @@ impl Scene {
         self.check_device(&mut faults);
         self.check_actuator(&mut faults);
         let samples = self.delay.whole_samples();
-        if samples > MOST_DELAY {
+        if samples > MAX_DELAY {
             let allowed = "at most 1024";
             faults.not(Rendered(Parameter::Delay), samples as f64, allowed);
         }
@@ -144,8 +144,8 @@ impl Scene {
             ],
         );
         let mass = (Rendered(Parameter::DeviceMass), Some(device.mass()));
-        let told = (Of::ToldDeviceMass, self.told_device_mass);
-        faults.within(Range::Positive, &[mass, told]);
+        let model = (Of::ModelDeviceMass, self.model_device_mass);
+        faults.within(Range::Positive, &[mass, model]);
         let quantum = Rendered(Parameter::EncoderQuantum);
         let quantum = (quantum, Some(device.encoder_quantum()));
         faults.within(Range::NotNegative, &[quantum]);
@@ -178,14 +178,14 @@ impl Scene {
     fn check_actuator(&self, faults: &mut Faults) {
         faults.within(Range::NotNegative, &[(Of::Lag, Some(self.actuator.lag))]);
         faults.within(Range::Positive, &[(Of::Gain, Some(self.actuator.gain))]);
-        for (range, parameter, value) in self.told.checked() {
+        for (range, parameter, value) in self.model.checked() {
             faults.within(range, &[(parameter, value)]);
         }
         let longest = LARGEST_DELAY as f64 * self.loop_params.period;
-        if let Some(delay) = self.told.delay
+        if let Some(delay) = self.model.delay
             && !(0.0..=longest * (1.0 + 1e-9)).contains(&delay)
         {
-            faults.not(Of::ToldDelay, delay, "from 0 s to 8 periods");
+            faults.not(Of::ModelDelay, delay, "from 0 s to 8 periods");
         }
     }
 }

@@ -46,7 +46,7 @@ impl Delay {
     /// Returns a delay of `periods` periods of `period` `[s]` that the renderer's model contains entirely: whole
     /// samples, or a time. A fraction of a period would be unmodelled.
     #[must_use]
-    pub fn told_whole(periods: f64, period: f64) -> Self {
+    pub fn model_whole(periods: f64, period: f64) -> Self {
         let delay = Self::of_periods(periods);
         if delay.is_whole() {
             delay

@@ -18,10 +18,10 @@ use super::device_key::{DeviceFault, RawDevice, ReadDevice, ReadPointMass};
 use super::fault::{Places, SceneError, SceneErrors};
 use super::guard::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode};
 use super::hand_key::{RawHand, ReadHand};
+use super::model::RawModel;
 use super::parameter::SceneParameter::{self, self as Of};
 use super::recover::{self, Fault};
 use super::timing::{RawLoop, Timing};
-use super::told::RawTold;
 use super::toml_reader;
 use super::{HandForceAt, Measure, PantographDevice, Scene, SceneDevice, SetupError};
 use crate::method::{GivenSettings, MethodName, Setting, Settings, SettingsError, method_named};
@@ -70,7 +70,7 @@ struct RawScene {
     hand: RawHand,
     r#loop: RawLoop,
     #[serde(default)]
-    told: RawTold,
+    model: RawModel,
     measure: Spanned<RawMeasure>,
     #[serde(default)]
     renderer: RawRenderer,
@@ -284,7 +284,7 @@ impl Reading<'_> {
             self.fault((scene_format.span(), message));
             return None;
         }
-        if WorldFile::is_one(self.source) {
+        if WorldFile::is_world_file(self.source) {
             let message = "the key format is of a world of several bodies; here a scene of one contact is needed, \
                            with scene_format = 1";
             self.fault((0..0, message.into()));
@@ -352,10 +352,10 @@ impl Reading<'_> {
         }
         let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
         let actuator = raw.r#loop.actuator(&mut places);
-        if let Some(alone) = raw.told.alone() {
-            self.in_table("told", alone);
+        if let Some(alone) = raw.model.alone() {
+            self.in_table("model", alone);
         }
-        let told = raw.told.read(&mut places);
+        let model = raw.model.read(&mut places);
         let timing = raw.r#loop.timing(&mut places);
         let timing = timing.map_err(|(span, message)| (span, message.to_owned()));
         let (delay, timing) = self.or("loop", timing, (Delay::NONE, Timing::default()));
@@ -371,7 +371,7 @@ impl Reading<'_> {
             largest_gap: limit(Parameter::LargestGap.into(), rendering.largest_gap_s),
             ..LoopParams::new(period)
         };
-        let told_device_mass = limit(Of::ToldDeviceMass, rendering.device_mass_kg);
+        let model_device_mass = limit(Of::ModelDeviceMass, rendering.device_mass_kg);
         let guard = rendering.guard.map_or(Guard::Off, |guard| {
             guard.mode.guard(
                 places.take_or(Parameter::GuardSpeed, guard.speed_m_per_s, GUARD_SPEED),
@@ -396,11 +396,11 @@ impl Reading<'_> {
             object_radius: places.take_or(Of::ObjectRadius, object.radius_m, 0.0),
             virtual_force: places.take_or(Parameter::VirtualForce, object.force_n, 0.0),
             device,
-            told_device_mass,
+            model_device_mass,
             delay,
             timing,
             actuator,
-            told,
+            model,
             measure,
             method,
             settings,
@@ -502,13 +502,13 @@ impl Reading<'_> {
         let rendered: Vec<_> = rendered.collect();
         for error in &rendered {
             // Model values that equal the true ones have already been rejected at their keys.
-            let told = match error.parameter {
-                Parameter::Lag => scene.told.lag,
-                Parameter::Gain => scene.told.gain,
+            let model = match error.parameter {
+                Parameter::Lag => scene.model.lag,
+                Parameter::Gain => scene.model.gain,
                 Parameter::Delay => None,
                 _ => Some(0.0),
             };
-            if told.is_none() {
+            if model.is_none() {
                 continue;
             }
             let error = error.map(SceneParameter::Rendered);

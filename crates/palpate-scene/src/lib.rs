@@ -19,12 +19,12 @@ mod hand;
 mod hand_key;
 mod linkage;
 pub mod method;
+mod model;
 pub mod named_parameters;
 mod parameter;
 mod period;
 mod recover;
 mod timing;
-mod told;
 mod toml_reader;
 pub mod world;
 mod write;
@@ -39,10 +39,10 @@ pub use file::SceneFile;
 pub use guard::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode};
 pub use hand::{Grip, Hand, Intention, Wave};
 pub use linkage::{HandForceAt, Linkage};
+pub use model::{Model, quantum_of};
 pub use parameter::SceneParameter;
 pub use period::period_question;
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};
-pub use told::{Told, quantum_of};
 pub use write::Unwritable;
 
 use std::collections::HashMap;
@@ -80,7 +80,7 @@ pub struct Scene {
     /// The device and the hand that moves it.
     pub device: SceneDevice,
     /// Model value of the device mass `[kg]`; `None`: [`SceneDevice::mass`].
-    pub told_device_mass: Option<f64>,
+    pub model_device_mass: Option<f64>,
     /// Delay from a sample to its command.
     pub delay: Delay,
     /// Other timing imperfections of the loop.
@@ -88,7 +88,7 @@ pub struct Scene {
     /// True gain and lag of the actuator.
     pub actuator: ActuatorParams,
     /// Overrides of true values in the renderer's model of delay, lag and gain.
-    pub told: Told,
+    pub model: Model,
     /// Evaluation window.
     pub measure: Measure,
     /// The method to run when none is named.
@@ -146,7 +146,7 @@ impl Scene {
     #[must_use]
     pub fn loop_params_with_delay(&self) -> LoopParams<f64> {
         LoopParams {
-            actuation: self.told_actuation(),
+            actuation: self.model_actuation(),
             ..self.loop_params
         }
     }
@@ -175,8 +175,8 @@ impl Scene {
         let basis = Basis {
             stiffness: self.contact.stiffness,
             period: self.loop_params.period,
-            device_mass: Some(self.told_device_mass.unwrap_or(self.device.mass())),
-            encoder_quantum: self.told_quantum(),
+            device_mass: Some(self.model_device_mass.unwrap_or(self.device.mass())),
+            encoder_quantum: self.model_quantum(),
             recorded: false,
             stored_energy: stored_energy(&self.contact, self.object, self.device.position()),
         };

@@ -22,7 +22,7 @@ pub enum SceneParameter {
     Cogging,
     CoggingPitch,
     SensorNoise,
-    ToldDeviceMass,
+    ModelDeviceMass,
     HandForce,
     Tremor,
     TremorFrequency,
@@ -38,8 +38,8 @@ pub enum SceneParameter {
     CommandJitter,
     Lag,
     Gain,
-    ToldDelay,
-    ToldSensorNoise,
+    ModelDelay,
+    ModelSensorNoise,
     Jitter,
     JitterDeviation,
     DropProbability,
@@ -77,7 +77,7 @@ impl SceneParameter {
             Self::Cogging => "device.cogging_n",
             Self::CoggingPitch => "device.cogging_pitch_m",
             Self::SensorNoise => "device.noise_m",
-            Self::ToldDeviceMass => "renderer.device_mass_kg",
+            Self::ModelDeviceMass => "renderer.device_mass_kg",
             Self::HandForce => "hand.force_n",
             Self::Tremor => "hand.tremor_n",
             Self::TremorFrequency => "hand.tremor_hz",
@@ -93,8 +93,8 @@ impl SceneParameter {
             Self::CommandJitter => "loop.command_jitter_s",
             Self::Lag => "loop.lag_s",
             Self::Gain => "loop.gain",
-            Self::ToldDelay => "told.delay_s",
-            Self::ToldSensorNoise => "told.sensor_noise_m",
+            Self::ModelDelay => "model.delay_s",
+            Self::ModelSensorNoise => "model.sensor_noise_m",
             Self::Jitter => "loop.jitter_s",
             Self::JitterDeviation => "loop.jitter_deviation_s",
             Self::DropProbability => "loop.drop_probability",
@@ -128,14 +128,14 @@ fn key_of_rendered(parameter: Parameter) -> &'static str {
         Parameter::DeviceMass => "device.mass_kg",
         Parameter::EncoderQuantum | Parameter::NoiseBound => "device.encoder_quantum_m",
         Parameter::Setting(setting) => setting.key.as_str(),
-        Parameter::DelayDeviation => "told.delay_deviation_s",
-        Parameter::Lag => "told.lag_s",
-        Parameter::LagDeviation => "told.lag_deviation_s",
-        Parameter::Gain => "told.gain",
-        Parameter::GainDeviation => "told.gain_deviation",
-        Parameter::Resonance => "told.resonance_hz",
-        Parameter::ResonanceDampingRatio => "told.resonance_damping_ratio",
-        Parameter::FlexibleMassFraction => "told.flexible_mass_fraction",
+        Parameter::DelayDeviation => "model.delay_deviation_s",
+        Parameter::Lag => "model.lag_s",
+        Parameter::LagDeviation => "model.lag_deviation_s",
+        Parameter::Gain => "model.gain",
+        Parameter::GainDeviation => "model.gain_deviation",
+        Parameter::Resonance => "model.resonance_hz",
+        Parameter::ResonanceDampingRatio => "model.resonance_damping_ratio",
+        Parameter::FlexibleMassFraction => "model.flexible_mass_fraction",
         // Parameters without a key in scenes.
         Parameter::DerivedDamping
         | Parameter::AxisOrigin
@@ -163,7 +163,7 @@ impl ParameterName for SceneParameter {
             | Self::Backlash
             | Self::CoggingPitch
             | Self::SensorNoise
-            | Self::ToldSensorNoise => "m",
+            | Self::ModelSensorNoise => "m",
             Self::DeviceVelocity => "m/s",
             Self::ViscousFriction | Self::HandDamping => "N s/m",
             Self::CoulombFriction
@@ -171,7 +171,7 @@ impl ParameterName for SceneParameter {
             | Self::Cogging
             | Self::HandForce
             | Self::Tremor => "N",
-            Self::ToldDeviceMass | Self::HandMass => "kg",
+            Self::ModelDeviceMass | Self::HandMass => "kg",
             Self::TremorFrequency | Self::SwingFrequency | Self::Resonance => "Hz",
             Self::HandStiffness => "N/m",
             Self::Release
@@ -183,7 +183,7 @@ impl ParameterName for SceneParameter {
             | Self::DelaySeconds
             | Self::CommandJitter
             | Self::Lag
-            | Self::ToldDelay
+            | Self::ModelDelay
             | Self::Duration => "s",
             Self::DelayFraction => "periods",
             Self::DropProbability

@@ -6,8 +6,8 @@ use palpate::{Contact, Guard, LoopParams, Mass, ParameterValue, Side};
 use palpate_testbed::pantograph::SafetyBox;
 
 use super::{
-    Delay, Dropped, Grip, Hand, HandForceAt, Intention, Jitter, Measure, PantographDevice,
-    PointMassDevice, Scene, SceneDevice, Timing, Told, Wave,
+    Delay, Dropped, Grip, Hand, HandForceAt, Intention, Jitter, Measure, Model, PantographDevice,
+    PointMassDevice, Scene, SceneDevice, Timing, Wave,
 };
 use crate::method::{MethodName, Settings};
 
@@ -31,11 +31,11 @@ impl Scene {
             object_radius,
             virtual_force,
             device,
-            told_device_mass,
+            model_device_mass,
             delay,
             timing,
             actuator,
-            told,
+            model,
             measure,
             method,
             settings,
@@ -52,7 +52,7 @@ impl Scene {
             speed_limit,
             force_limit,
             slew_limit,
-            // In a scene: `delay`, `timing`, `actuator` and `told`.
+            // In a scene: `delay`, `timing`, `actuator` and `model`.
             actuation: _,
             guard,
         } = *loop_params;
@@ -96,7 +96,7 @@ impl Scene {
         if actuator.gain != 1.0 {
             file.number("gain", actuator.gain);
         }
-        file.told(told);
+        file.model(model);
 
         file.table("measure");
         match measure {
@@ -106,7 +106,7 @@ impl Scene {
 
         file.table("renderer");
         file.line("method", &format!("\"{method}\""));
-        file.if_given("device_mass_kg", *told_device_mass);
+        file.if_given("device_mass_kg", *model_device_mass);
         if unilateral {
             file.line("unilateral", "true");
         }
@@ -293,8 +293,8 @@ impl File {
         }
     }
 
-    fn told(&mut self, told: &Told) {
-        let Told {
+    fn model(&mut self, model: &Model) {
+        let Model {
             delay,
             delay_deviation,
             lag,
@@ -303,11 +303,11 @@ impl File {
             gain_deviation,
             sensor_noise,
             transmission,
-        } = *told;
-        if *told == Told::default() {
+        } = *model;
+        if *model == Model::default() {
             return;
         }
-        self.table("told");
+        self.table("model");
         self.if_given("delay_s", delay);
         self.if_given("delay_deviation_s", delay_deviation);
         self.if_given("lag_s", lag);

@@ -4,7 +4,7 @@ import { Bins } from "./bins.js";
 import { Chart } from "./chart.js";
 import { CHARTS } from "./curves.js";
 
-const MOST_BINS = 1600;
+const MAX_BINS = 1600;
 const CURSOR = "palpate";
 const SHOWN_AT_FIRST = ["force", "penetration", "energy", "leak", "timing"];
 
@@ -22,7 +22,7 @@ export class Charts {
     this.model = model;
     this.view = view;
     this.onZoom = onZoom;
-    this.bins = new Bins(MOST_BINS);
+    this.bins = new Bins(MAX_BINS);
     this.bins.lay(0, 1, 1);
     this.charts = [];
     this.shown = new Set(SHOWN_AT_FIRST);

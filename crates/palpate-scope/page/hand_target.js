@@ -33,7 +33,7 @@ export class HandTarget {
    * @param {number[] | null | undefined} told target of the hand according to the server
    * @param {(value: number[]) => boolean} send whether it was sent
    */
-  frame(nowS, told, send) {
+  frame(nowS, modelValues, send) {
     if (!this.value) {
       return;
     }
@@ -43,7 +43,7 @@ export class HandTarget {
       }
       return;
     }
-    const isSo = told?.length === this.value.length && told.every((part, k) => Math.abs(part - this.value[k]) <= SAME);
+    const isSo = modelValues?.length === this.value.length && modelValues.every((part, k) => Math.abs(part - this.value[k]) <= SAME);
     if (isSo || nowS - this.saidS >= KEPT_S) {
       this.drop();
     }

@@ -15,9 +15,9 @@ import { Scene } from "./scene.js";
 import { createdWithin, seenInWords } from "./seen.js";
 import { Status, aboutBuffer } from "./status.js";
 import { onThemeChange, readTheme } from "./theme.js";
-import { Told } from "./told.js";
+import { ModelValues } from "./model_values.js";
 import { Toolbar } from "./toolbar.js";
-import { tripInWords } from "./trips.js";
+import { safetyStopInWords } from "./safety_stops.js";
 import { View } from "./view.js";
 
 // Update interval of the charts if the user prefers reduced motion.
@@ -46,7 +46,7 @@ let pending = null;
 let asked = null;
 const methods = new Methods(place("lanes"), model, (message) => later(methods, message));
 const contact = new Contact(place("contact"), model, (message) => later(contact, message));
-const told = new Told(place("told"), model, (message) => later(told, message));
+const modelValues = new ModelValues(place("modelValues"), model, (message) => later(modelValues, message));
 const hand = new Hand(place("scene"), scene, model, send);
 let fit = false;
 
@@ -72,7 +72,7 @@ function later(who, message) {
 function forgive() {
   if (model.hello) {
     contact.forgive();
-    told.forgive();
+    modelValues.forgive();
     methods.forgive();
   }
 }
@@ -98,7 +98,7 @@ function build() {
   news.begin(title);
   methods.build();
   contact.build();
-  told.build();
+  modelValues.build();
   charts.build();
   scene.begin();
   toolbar.take();
@@ -112,13 +112,13 @@ model.addEventListener("state", () => {
   const { state } = model;
   methods.take(state);
   contact.take(state);
-  told.take(state);
+  modelValues.take(state);
   charts.name();
   place("record").setAttribute("aria-pressed", String(state.recording !== null));
   status.tell();
   [0, 1].forEach((lane) => {
     const rearm = { label: "Rearm", act: () => send(say.rearm(lane)) };
-    banners.show(`trip-${lane + 1}`, tripInWords(state.lanes[lane], lane + 1), rearm);
+    banners.show(`safety-stop-${lane + 1}`, safetyStopInWords(state.lanes[lane], lane + 1), rearm);
   });
 });
 
@@ -133,14 +133,14 @@ model.addEventListener("status", () => status.take());
 model.addEventListener("refused", ({ detail: { about, text } }) => {
   if (about !== "set" || !model.state) {
     banners.show("refused", `Refused: ${refusalInWords(text).words}.`, { label: "Close", act: () => banners.show("refused", null) });
-  } else if (!contact.refuse(text, asked === contact) && !told.refuse(text, asked === told)) {
+  } else if (!contact.refuse(text, asked === contact) && !modelValues.refuse(text, asked === modelValues)) {
     methods.refuse(text);
   }
   if (model.state) {
     // The state has not changed, so the server sends none: replace the displayed request by the state.
     methods.take(model.state);
     contact.take(model.state);
-    told.take(model.state);
+    modelValues.take(model.state);
   }
 });
 

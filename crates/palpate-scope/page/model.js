@@ -284,16 +284,16 @@ function goesOn({ ring, heardAtS }, frame, nowS) {
 
 function settingsOf({ lanes, ...state }) {
   const { stiffness_n_per_m, mass_kg, virtual_force_n, period_s } = state;
-  const { told_device_mass_kg, told_delay_s, told_lag_s, told_gain } = state;
+  const { model_device_mass_kg, model_delay_s, model_lag_s, model_gain } = state;
   return {
     stiffness_n_per_m,
     mass_kg,
     virtual_force_n,
     period_s,
-    told_device_mass_kg,
-    told_delay_s,
-    told_lag_s,
-    told_gain,
+    model_device_mass_kg,
+    model_delay_s,
+    model_lag_s,
+    model_gain,
     lanes: lanes.map(({ method, damping_n_s_per_m }) => ({ method, damping_n_s_per_m })),
   };
 }

@@ -1,7 +1,7 @@
 // Messages about server and loop: the connection, the loop's end, and its notes.
 
 /** Most notes in the list. */
-const MOST_NOTES = 200;
+const MAX_NOTES = 200;
 
 export class News {
   /** `place` gives the element of an id. */
@@ -58,7 +58,7 @@ export class News {
     item.append(when, ` ${kind}: ${text}`);
     const list = this.place("note-list");
     list.prepend(item);
-    while (list.children.length > MOST_NOTES) {
+    while (list.children.length > MAX_NOTES) {
       list.lastChild.remove();
     }
     this.place("note-count").textContent = `(${list.children.length})`;

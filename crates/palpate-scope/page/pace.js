@@ -1,7 +1,7 @@
 // Pacing of work on screen frames. The charts are drawn in every frame if that is cheap. Otherwise the scene and the
 // hand have priority, and the charts skip frames.
 
-const MOST_LEFT_OUT = 6;
+const MAX_LEFT_OUT = 6;
 const FRAME_MS = 1000 / 60;
 
 export class Pace {
@@ -15,7 +15,7 @@ export class Pace {
   next(lastedMs) {
     if (this.drewLast) {
       // A frame that took three times as long as it should leaves two to the scene.
-      const wanted = Math.max(0, Math.min(MOST_LEFT_OUT, Math.round(lastedMs / FRAME_MS) - 1));
+      const wanted = Math.max(0, Math.min(MAX_LEFT_OUT, Math.round(lastedMs / FRAME_MS) - 1));
       this.leaveOut = wanted;
       this.leftOut = 0;
     }

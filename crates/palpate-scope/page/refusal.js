@@ -9,10 +9,10 @@ const QUANTITIES = {
   period_s: { label: "Period", unit: "ms", shown: (value) => value * 1000 },
   damping_n_s_per_m: { label: "Damping b", unit: "N s/m" },
   delay_s: { label: "Delay", unit: "ms", shown: (value) => value * 1000 },
-  told_device_mass_kg: { label: "Device mass", unit: "kg" },
-  told_delay_s: { label: "Delay", unit: "ms", shown: (value) => value * 1000 },
-  told_lag_s: { label: "Lag", unit: "ms", shown: (value) => value * 1000 },
-  told_gain: { label: "Gain", unit: "" },
+  model_device_mass_kg: { label: "Device mass", unit: "kg" },
+  model_delay_s: { label: "Delay", unit: "ms", shown: (value) => value * 1000 },
+  model_lag_s: { label: "Lag", unit: "ms", shown: (value) => value * 1000 },
+  model_gain: { label: "Gain", unit: "" },
   position_m: { label: "Position of the hand", unit: "m" },
 };
 

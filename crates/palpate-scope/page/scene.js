@@ -171,7 +171,7 @@ export class Scene {
   /** Which method this is, and what it does: always at the same place, to be read while it moves. */
   drawHead(lane, left, width, colour) {
     const { context, axis, model } = this;
-    const { method, trip } = model.state.lanes[lane];
+    const { method, safety_stop } = model.state.lanes[lane];
     const { force, depth, depthPx } = this.said[lane];
     context.fillStyle = theme.panel;
     context.fillRect(left + (lane > 0 ? 1 : 0), 0, width, axis.topPx - 12);
@@ -188,7 +188,7 @@ export class Scene {
     context.font = `600 13px ${theme.font}`;
     context.fillText(method, left + 27, 24, width - 32);
     context.font = `12px ${theme.font}`;
-    if (trip) {
+    if (safety_stop) {
       context.fillStyle = theme.alarm;
       context.fillText("force cut off", left + 27, 42, width - 32);
       return;

@@ -3,7 +3,7 @@
 import { digits, quantity } from "./si.js";
 
 // Less is rounded: about a millijoule can be felt.
-const LEAST_J = 1e-4;
+const MIN_J = 1e-4;
 // Below this there is nothing but rounding.
 const NONE_J = 1e-12;
 const PLACES = ["Left", "right"];
@@ -49,7 +49,7 @@ export function seenInWords(lanes) {
     if (Math.abs(createdJ) < NONE_J) {
       return `${name} creates no energy`;
     }
-    if (Math.abs(createdJ) < LEAST_J) {
+    if (Math.abs(createdJ) < MIN_J) {
       return `${name} ${createdJ > 0 ? "creates" : "takes"} less than 0.1 mJ of energy${createdJ > 0 ? "" : " away"}`;
     }
     const size = quantity(Math.abs(createdJ), "J");

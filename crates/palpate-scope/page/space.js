@@ -26,7 +26,7 @@ import { theme } from "./theme.js";
 
 /** How long the arrow of a force is [m/N], for a world of a tenth of a metre. */
 const ARROW_M_PER_N = 0.02;
-const MOST_ARROWS = 65;
+const MAX_ARROWS = 65;
 /** An arrow is no longer than this many times the world's reach: it would leave the picture. */
 const LONGEST_ARROW = 1.2;
 /** Sides of the squares that stand for surfaces without an end, in reaches of the world: several close in what they hold. */
@@ -315,7 +315,7 @@ class Arrows {
     const shaft = new CylinderGeometry(0.5, 0.5, 1, 8).translate(0, 0.5, 0);
     const head = new CylinderGeometry(0, 1.6, 4, 12).translate(0, 2, 0);
     const material = new MeshLambertMaterial({ color: colour });
-    this.arrows = Array.from({ length: MOST_ARROWS }, () => {
+    this.arrows = Array.from({ length: MAX_ARROWS }, () => {
       const arrow = { shaft: new Mesh(shaft, material), head: new Mesh(head, material) };
       arrow.shaft.visible = false;
       arrow.head.visible = false;

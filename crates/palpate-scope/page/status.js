@@ -22,7 +22,7 @@ const COLUMNS = [
   { title: "Missed", about: "deadlines that were missed", of: (lane) => count(lane.missed_deadlines) },
   { title: "No sample", about: "ticks without a fresh sample of the device", of: (lane) => count(lane.without_sample) },
   { title: "Stop force", about: "times the supervisor commanded no force because the loop did not answer", of: (lane) => count(lane.supervisor_cuts) },
-  { title: "Not shown", about: "ticks that found no room on their way to this page; a recording has them", of: (lane) => count(lane.untold) },
+  { title: "Not shown", about: "ticks that found no room on their way to this page; a recording has them", of: (lane) => count(lane.unmodelled) },
 ];
 
 export class Status {
@@ -79,20 +79,20 @@ export class Status {
 
   takeRecording() {
     const { state, status, recordedFiles } = this.model;
-    const told = status?.recording;
+    const modelValues = status?.recording;
     let text = "";
     if (state?.recording) {
       const parts = [`Recording ${recordedFiles.join(", ")}`];
-      if (told) {
-        parts.push(`${count(told.ticks)} ticks`, `${count(told.lost)} lost`, bytes(told.bytes));
-        this.lastRecording = told;
+      if (modelValues) {
+        parts.push(`${count(modelValues.ticks)} ticks`, `${count(modelValues.lost)} lost`, bytes(modelValues.bytes));
+        this.lastRecording = modelValues;
       }
       text = parts.join(" · ");
     } else if (recordedFiles.length > 0) {
       const last = this.lastRecording;
       text = `Recorded ${recordedFiles.join(", ")}${last?.lost ? ` · ${count(last.lost)} ticks lost` : ""}`;
     }
-    const failed = told?.failed ?? null;
+    const failed = modelValues?.failed ?? null;
     const { recording } = this.places;
     const said = failed ? `Recording has failed: ${failed}` : text;
     if (recording.textContent !== said) {

@@ -17,7 +17,7 @@ import { Space } from "./space.js";
 import { Status } from "./status.js";
 import { onThemeChange, readTheme } from "./theme.js";
 import { ToolNames } from "./tool_names.js";
-import { tripInWords } from "./trips.js";
+import { safetyStopInWords } from "./safety_stops.js";
 import { SPANS_S, View } from "./view.js";
 
 const READ_OUT_S = 0.1;
@@ -117,7 +117,7 @@ model.addEventListener("state", () => {
   );
   [0, 1].forEach((lane) => {
     const rearm = { label: "Rearm", act: () => link.say(say.rearm(lane)) };
-    banners.show(`trip-${lane + 1}`, tripInWords(state.lanes[lane], lane + 1), rearm);
+    banners.show(`safety-stop-${lane + 1}`, safetyStopInWords(state.lanes[lane], lane + 1), rearm);
   });
   if (space) {
     space.hands = handsOf(state).map(({ hand_m: at }) => at);

@@ -27,13 +27,13 @@ pub use hub::{ClientId, Hub, Outgoing, Seat};
 pub use server::{DEFAULT_ADDRESS, Home, ListenError, Listening, Server};
 #[cfg(feature = "server")]
 pub use session::{
-    Command, Devices, Ended, LaneEnd, Placed, Receipts, Session, SessionEnd, SessionError, Setup,
+    Command, Devices, Ended, LaneEnd, MetadataOf, Placed, Session, SessionEnd, SessionError, Setup,
     Written,
 };
 pub use settings::{Limits, Settings, check_lanes, make_room};
 #[cfg(feature = "server")]
 pub use world::{
-    MOST_LANES, OpenLane, WorldEnded, WorldLane, WorldLaneEnd, WorldSession, WorldSessionEnd,
+    MAX_LANES, OpenLane, WorldEnded, WorldLane, WorldLaneEnd, WorldSession, WorldSessionEnd,
     WorldSetup,
 };
 

@@ -50,13 +50,13 @@ pub struct Set {
     /// Period `[s]`.
     pub period_s: Option<f64>,
     /// Model value of the device mass `[kg]`.
-    pub told_device_mass_kg: Option<f64>,
+    pub model_device_mass_kg: Option<f64>,
     /// Model value of the delay `[s]`.
-    pub told_delay_s: Option<f64>,
+    pub model_delay_s: Option<f64>,
     /// Model value of the lag `[s]`.
-    pub told_lag_s: Option<f64>,
+    pub model_lag_s: Option<f64>,
     /// Model value of the gain.
-    pub told_gain: Option<f64>,
+    pub model_gain: Option<f64>,
     /// Methods, one for each rendering.
     pub lanes: Option<Vec<LaneChoice>>,
 }
@@ -197,7 +197,7 @@ pub enum ServerMessage<'a> {
         /// Title of the scene.
         title: &'a str,
         /// Columns of the samples.
-        columns: Vec<ToldColumn>,
+        columns: Vec<ColumnMessage>,
         /// Methods there are.
         methods: Vec<Method>,
         /// Limits of the settings.
@@ -221,7 +221,7 @@ pub enum ServerMessage<'a> {
         period_s: f64,
         /// Model values of the device.
         #[serde(flatten)]
-        told: ToldState,
+        model: ModelState,
         /// The lanes.
         lanes: Vec<LaneState>,
         /// The recording that is being made.
@@ -278,7 +278,7 @@ impl<'a> ServerMessage<'a> {
             protocol: 1,
             version: env!("CARGO_PKG_VERSION"),
             title: &scene.title,
-            columns: columns().map(ToldColumn::from).collect(),
+            columns: columns().map(ColumnMessage::from).collect(),
             methods: MethodName::ALL
                 .into_iter()
                 .map(|method| Method {
@@ -307,14 +307,14 @@ impl<'a> ServerMessage<'a> {
 
 /// A column of the samples.
 #[derive(Clone, Debug, Serialize)]
-pub struct ToldColumn {
+pub struct ColumnMessage {
     /// Its name.
     pub name: &'static str,
     /// Its unit.
     pub unit: &'static str,
 }
 
-impl From<&palpate_record::recording::Column> for ToldColumn {
+impl From<&palpate_record::recording::Column> for ColumnMessage {
     fn from(column: &palpate_record::recording::Column) -> Self {
         Self {
             name: column.name,
@@ -352,15 +352,15 @@ pub struct DeviceSaid<'a> {
 
 /// Model values of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ToldState {
+pub struct ModelState {
     /// Mass of the device `[kg]`.
-    pub told_device_mass_kg: f64,
+    pub model_device_mass_kg: f64,
     /// Time from a sample to the beginning of its force `[s]`.
-    pub told_delay_s: f64,
+    pub model_delay_s: f64,
     /// Time constant of the actuator `[s]`.
-    pub told_lag_s: f64,
+    pub model_lag_s: f64,
     /// Delivered over commanded force.
-    pub told_gain: f64,
+    pub model_gain: f64,
 }
 
 /// State of a rendering.
@@ -372,10 +372,10 @@ pub struct LaneState {
     /// Whether its loop runs.
     pub running: bool,
     /// Reason for a zero force, after a safety stop.
-    pub trip: Option<String>,
+    pub safety_stop: Option<String>,
     /// The method whose held forces are the reason for that, if a method's are: it may not be the one
     /// that renders now.
-    pub trip_method: Option<&'static str>,
+    pub safety_stop_method: Option<&'static str>,
 }
 
 /// The recording of the state.
@@ -405,7 +405,7 @@ pub struct LaneStatus {
     /// Durations of the ticks.
     pub tick_s: Spread,
     /// Ticks that found no room on their way here.
-    pub untold: u64,
+    pub unmodelled: u64,
 }
 
 /// Distribution of durations `[s]`.

@@ -4,10 +4,10 @@ use palpate::{LARGEST_DELAY, Mass, MethodParams as _, Parameter, ParameterValue,
 use palpate_rt::Rendering;
 use palpate_scene::method::{MethodName, SettingKey};
 use palpate_scene::named_parameters::named_parameters;
-use palpate_scene::{Scene, SceneParameter, SceneParameterError, SetupError, Told};
+use palpate_scene::{Model, Scene, SceneParameter, SceneParameterError, SetupError};
 use serde::Serialize;
 
-use crate::message::{LaneChoice, Set, ToldState};
+use crate::message::{LaneChoice, ModelState, Set};
 
 /// Limits of the settings: the least and the greatest value of each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -23,20 +23,20 @@ pub struct Limits {
     /// Damping of a method `[N s/m]`.
     pub damping_n_s_per_m: [f64; 2],
     /// Model value of the device mass `[kg]`.
-    pub told_device_mass_kg: [f64; 2],
+    pub model_device_mass_kg: [f64; 2],
     /// Model value of the delay `[s]`; at most the largest number of periods that a renderer supports.
-    pub told_delay_s: [f64; 2],
+    pub model_delay_s: [f64; 2],
     /// Model value of the lag `[s]`.
-    pub told_lag_s: [f64; 2],
+    pub model_lag_s: [f64; 2],
     /// Model value of the gain.
-    pub told_gain: [f64; 2],
+    pub model_gain: [f64; 2],
 }
 
 impl Limits {
     /// Returns limits for a desktop device and a hand, extended to contain `settings` and `scene`.
     #[must_use]
     pub fn around(settings: &Settings, scene: &Scene) -> Self {
-        let told = settings.told(scene);
+        let model = settings.model(scene);
         let with = |[least, most]: [f64; 2], value: f64| [least.min(value), most.max(value)];
         let dampings = settings.lanes.iter();
         Self {
@@ -47,10 +47,10 @@ impl Limits {
             damping_n_s_per_m: dampings
                 .filter_map(|lane| lane.damping_n_s_per_m)
                 .fold([0.0, 50.0], with),
-            told_device_mass_kg: with([0.01, 5.0], told.told_device_mass_kg),
-            told_delay_s: with([0.0, 0.02], told.told_delay_s),
-            told_lag_s: with([0.0, 0.02], told.told_lag_s),
-            told_gain: with([0.2, 2.0], told.told_gain),
+            model_device_mass_kg: with([0.01, 5.0], model.model_device_mass_kg),
+            model_delay_s: with([0.0, 0.02], model.model_delay_s),
+            model_lag_s: with([0.0, 0.02], model.model_lag_s),
+            model_gain: with([0.2, 2.0], model.model_gain),
         }
     }
 }
@@ -67,9 +67,9 @@ pub struct Settings {
     /// Period of the loop `[s]`.
     pub period: f64,
     /// Model value of the device mass `[kg]`; `None`: as in the scene.
-    pub told_device_mass: Option<f64>,
+    pub model_device_mass: Option<f64>,
     /// Model values of delay, lag and gain, if they differ from the scene.
-    pub told: Told,
+    pub model: Model,
     /// Methods, one for each rendering.
     pub lanes: Vec<LaneChoice>,
 }
@@ -86,8 +86,8 @@ impl Settings {
             },
             virtual_force: scene.virtual_force,
             period: scene.loop_params.period,
-            told_device_mass: None,
-            told: Told::default(),
+            model_device_mass: None,
+            model: Model::default(),
             lanes: methods
                 .iter()
                 .map(|method| LaneChoice {
@@ -119,20 +119,20 @@ impl Settings {
         if let Some(value) = set.period_s {
             new.period = inside("period_s", value, limits.period_s)?;
         }
-        if let Some(value) = set.told_device_mass_kg {
-            let limits = limits.told_device_mass_kg;
-            new.told_device_mass = Some(inside("told_device_mass_kg", value, limits)?);
+        if let Some(value) = set.model_device_mass_kg {
+            let limits = limits.model_device_mass_kg;
+            new.model_device_mass = Some(inside("model_device_mass_kg", value, limits)?);
         }
-        if let Some(value) = set.told_delay_s {
-            let [least, most] = limits.told_delay_s;
+        if let Some(value) = set.model_delay_s {
+            let [least, most] = limits.model_delay_s;
             let most = most.min(LARGEST_DELAY as f64 * new.period);
-            new.told.delay = Some(inside("told_delay_s", value, [least, most])?);
+            new.model.delay = Some(inside("model_delay_s", value, [least, most])?);
         }
-        if let Some(value) = set.told_lag_s {
-            new.told.lag = Some(inside("told_lag_s", value, limits.told_lag_s)?);
+        if let Some(value) = set.model_lag_s {
+            new.model.lag = Some(inside("model_lag_s", value, limits.model_lag_s)?);
         }
-        if let Some(value) = set.told_gain {
-            new.told.gain = Some(inside("told_gain", value, limits.told_gain)?);
+        if let Some(value) = set.model_gain {
+            new.model.gain = Some(inside("model_gain", value, limits.model_gain)?);
         }
         if let Some(lanes) = &set.lanes {
             check_lanes(lanes.len(), most_lanes)?;
@@ -154,24 +154,24 @@ impl Settings {
 
     /// Returns the model values of the device for the renderer of `scene`.
     #[must_use]
-    pub fn told(&self, scene: &Scene) -> ToldState {
+    pub fn model(&self, scene: &Scene) -> ModelState {
         let mut scene = scene.clone();
         scene.loop_params.period = self.period;
         self.tell(&mut scene);
-        let told = scene.told_actuation();
-        ToldState {
-            told_device_mass_kg: scene.told_device_mass.unwrap_or(scene.device.mass()),
-            told_delay_s: told.delay,
-            told_lag_s: told.lag,
-            told_gain: told.gain,
+        let model = scene.model_actuation();
+        ModelState {
+            model_device_mass_kg: scene.model_device_mass.unwrap_or(scene.device.mass()),
+            model_delay_s: model.delay,
+            model_lag_s: model.lag,
+            model_gain: model.gain,
         }
     }
 
     fn tell(&self, scene: &mut Scene) {
-        scene.told_device_mass = self.told_device_mass.or(scene.told_device_mass);
-        scene.told.delay = self.told.delay.or(scene.told.delay);
-        scene.told.lag = self.told.lag.or(scene.told.lag);
-        scene.told.gain = self.told.gain.or(scene.told.gain);
+        scene.model_device_mass = self.model_device_mass.or(scene.model_device_mass);
+        scene.model.delay = self.model.delay.or(scene.model.delay);
+        scene.model.lag = self.model.lag.or(scene.model.lag);
+        scene.model.gain = self.model.gain.or(scene.model.gain);
     }
 
     /// Returns `scene` with the settings of a rendering.
@@ -342,35 +342,35 @@ mod tests {
         let scene = scene();
         let before = Settings::of(&scene, &[MethodName::Coupled]);
         let limits = Limits::around(&before, &scene);
-        let as_it_is = ToldState {
-            told_device_mass_kg: 0.1,
-            told_delay_s: 0.0,
-            told_lag_s: 0.0,
-            told_gain: 1.0,
+        let as_it_is = ModelState {
+            model_device_mass_kg: 0.1,
+            model_delay_s: 0.0,
+            model_lag_s: 0.0,
+            model_gain: 1.0,
         };
-        assert_eq!(before.told(&scene), as_it_is);
+        assert_eq!(before.model(&scene), as_it_is);
         let set = Set {
-            told_device_mass_kg: Some(0.2),
-            told_delay_s: Some(0.005),
-            told_lag_s: Some(0.001),
-            told_gain: Some(0.9),
+            model_device_mass_kg: Some(0.2),
+            model_delay_s: Some(0.005),
+            model_lag_s: Some(0.001),
+            model_gain: Some(0.9),
             ..Set::default()
         };
         let after = before.with(&set, &limits, 2).unwrap();
         let lane = after.scene(&scene, after.lanes[0]);
         assert_eq!((lane.device.mass(), lane.actuator.gain), (0.1, 1.0));
-        let told = after.renderings(&scene).unwrap()[0].loop_params.actuation;
-        assert_eq!((told.delay, told.lag, told.gain), (0.005, 0.001, 0.9));
-        assert_eq!(after.told(&scene).told_device_mass_kg, 0.2);
+        let model = after.renderings(&scene).unwrap()[0].loop_params.actuation;
+        assert_eq!((model.delay, model.lag, model.gain), (0.005, 0.001, 0.9));
+        assert_eq!(after.model(&scene).model_device_mass_kg, 0.2);
         // The longest model delay is eight periods.
         let late = Set {
             period_s: Some(0.001),
-            told_delay_s: Some(0.009),
+            model_delay_s: Some(0.009),
             ..Set::default()
         };
         assert_eq!(
             before.with(&late, &limits, 2).unwrap_err(),
-            "told_delay_s is 0.009; allowed: 0 to 0.008"
+            "model_delay_s is 0.009; allowed: 0 to 0.008"
         );
     }
 
@@ -431,7 +431,7 @@ mod tests {
     #[test]
     fn what_no_renderer_takes_is_told_by_the_page_s_field() {
         let scene = scene();
-        let told = |change: fn(&mut Settings)| {
+        let model = |change: fn(&mut Settings)| {
             let mut settings = Settings::of(&scene, &[MethodName::Hfcr]);
             change(&mut settings);
             settings.renderings(&scene).unwrap_err()
@@ -458,7 +458,7 @@ mod tests {
                 "damping_n_s_per_m is -1 N s/m, but must be finite and not below 0",
             ),
         ] {
-            assert_eq!(told(change), message);
+            assert_eq!(model(change), message);
         }
     }
 }

@@ -8,11 +8,11 @@ use std::time::Duration;
 use palpate_device::Device;
 use palpate_device::clock::Clock;
 use palpate_files::atomic::WriteError;
-use palpate_record::recording::Receipt;
+use palpate_record::recording::RecordingMetadata;
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::{Account, ControlLoop, LoopEnd, LoopThread, Recorder, Renders, StopFlag};
 
-use crate::guardian::Guarding;
+use crate::watchdog::Guarding;
 
 /// A finished loop.
 pub struct Ran<D: Device, C: Clock, R: Renders> {
@@ -42,20 +42,20 @@ pub enum DriveError {
 }
 
 /// Runs a loop until `stop` is raised, or until its last period or the loss of its device ends it. Records it if
-/// `record` is set. Calls `told` immediately for refused real-time requests and for losses.
+/// `record` is set. Calls `model` immediately for refused real-time requests and for losses.
 ///
 /// # Errors
 /// The loop cannot start.
 pub fn drive<D: Device + 'static, C: Clock, R: Renders + 'static>(
     control: ControlLoop<D, C, R>,
-    record: Option<(&Path, &Receipt)>,
+    record: Option<(&Path, &RecordingMetadata)>,
     (request, stop): (Request, &StopFlag),
     most: Option<u64>,
     guarding: &Guarding,
-    told: &dyn Fn(fmt::Arguments),
+    model: &dyn Fn(fmt::Arguments),
 ) -> Result<Ran<D, C, R>, DriveError> {
     let (tap, recorder) = match record {
-        Some((out, receipt)) => Recorder::begin(out, receipt)?,
+        Some((out, metadata)) => Recorder::begin(out, metadata)?,
         None => Recorder::without_file().map_err(DriveError::Listener)?,
     };
     // A loop on a simulated clock runs as fast as it can and may wait for its reader.
@@ -67,10 +67,10 @@ pub fn drive<D: Device + 'static, C: Clock, R: Renders + 'static>(
         .iter()
         .filter(|answer| !answer.is_granted());
     for answer in refused {
-        told(format_args!("warning: {answer}"));
+        model(format_args!("warning: {answer}"));
     }
     let answers = running.answers().to_vec();
-    tell_of_losses(&running, &recorder, guarding, told);
+    tell_of_losses(&running, &recorder, guarding, model);
     let end = running.join();
     // The result of the run is reported even if the recording cannot be written.
     let (account, unwritten) = recorder.finish();
@@ -91,20 +91,20 @@ fn tell_of_losses<D: Device, C: Clock, R: Renders>(
     running: &LoopThread<D, C, R>,
     recorder: &Recorder,
     guarding: &Guarding,
-    told: &dyn Fn(fmt::Arguments),
+    model: &dyn Fn(fmt::Arguments),
 ) {
     let mut is_told = false;
-    let mut is_guardian_told = false;
+    let mut is_watchdog_informed = false;
     while !running.has_ended() {
-        if let Some((_, lost)) = guarding.lost().filter(|_| !is_guardian_told) {
-            is_guardian_told = true;
-            told(format_args!(
+        if let Some((_, lost)) = guarding.lost().filter(|_| !is_watchdog_informed) {
+            is_watchdog_informed = true;
+            model(format_args!(
                 "warning: {lost}; the loop commands no force until the device is opened anew"
             ));
         }
         if let Some(why) = recorder.failure().filter(|_| !is_told) {
             is_told = true;
-            told(format_args!(
+            model(format_args!(
                 "warning: {why}; the loop goes on, and is not recorded any more"
             ));
         }

@@ -11,7 +11,6 @@
 
 mod bench;
 mod driving;
-mod guardian;
 mod list;
 mod machine;
 #[cfg(unix)]
@@ -23,11 +22,11 @@ mod report;
 mod schemas;
 mod settling;
 mod shaker;
+mod watchdog;
 mod watched;
 
 pub use bench::{BenchReport, MeasureError, Measured, measure};
 pub use driving::{DriveError, Ran, drive};
-pub use guardian::{GuardianReport, Guarding};
 pub use list::{DeviceList, LATCH_WARNING};
 pub use machine::{MachineReport, RATE, SECONDS};
 #[cfg(unix)]
@@ -36,6 +35,7 @@ pub use on_devices::{NotRendered, lacking_axes, rendered};
 pub use recorded_world::{RecordedWorld, RecordedWorldError};
 pub use report::{Energies, RunReport, Subject, TimingReport};
 pub use shaker::{ShakeDeclined, ShakeError, Shaker};
+pub use watchdog::{Guarding, WatchdogReport};
 pub use watched::Watched;
 
 #[cfg(doctest)]

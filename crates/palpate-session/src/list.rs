@@ -13,8 +13,8 @@ const FORMAT: &str = "palpate devices 1";
 
 /// Warning for every 2DIY, since it can cause injury.
 pub const LATCH_WARNING: &str = "the board of a 2DIY has no watchdog: if the cable is pulled, it may \
-     hold its last torque until its power is switched off; if the program is killed, a guardian takes \
-     the torque off, unless it was started with --guardian off";
+     hold its last torque until its power is switched off; if the program is killed, a watchdog takes \
+     the torque off, unless it was started with --watchdog off";
 
 /// Devices that a loop can run on here.
 #[derive(Debug, Serialize)]

@@ -32,7 +32,7 @@ pub struct MachineReport {
     format: &'static str,
     asked: Vec<AskedReport>,
     machine: Vec<FindingReport>,
-    guardian: TriedReport,
+    watchdog: TriedReport,
     devices: Vec<DeviceReport>,
     loop_at_1000_hz: Measured,
 }
@@ -91,7 +91,7 @@ impl fmt::Display for TriedReport {
             writeln!(f, "  NO  it does not start: {why}")?;
             return writeln!(
                 f,
-                "      a device that holds its last force runs with --guardian off only"
+                "      a device that holds its last force runs with --watchdog off only"
             );
         }
         if self.first {
@@ -133,10 +133,10 @@ struct AskedReport {
 
 impl MachineReport {
     /// Creates the report of a machine from its `answers` to the requests of a loop and from a loop `measured` at
-    /// [`RATE`] for [`SECONDS`]. `guardian` is the command of the watchdog process; it is started and tested.
+    /// [`RATE`] for [`SECONDS`]. `watchdog` is the command of the watchdog process; it is started and tested.
     #[must_use]
-    pub fn new(answers: &[Answer], measured: Measured, guardian: io::Result<Command>) -> Self {
-        let guardian = TriedReport::tried(guardian);
+    pub fn new(answers: &[Answer], measured: Measured, watchdog: io::Result<Command>) -> Self {
+        let watchdog = TriedReport::tried(watchdog);
         let plugged_in = ports()
             .unwrap_or_default()
             .iter()
@@ -151,7 +151,7 @@ impl MachineReport {
             format: FORMAT,
             asked: answers.iter().map(AskedReport::from).collect(),
             machine: machine().iter().map(FindingReport::from).collect(),
-            guardian,
+            watchdog,
             devices: plugged_in,
             loop_at_1000_hz: measured,
         }
@@ -222,8 +222,8 @@ impl MachineReport {
                 writeln!(f, "      {advice}")?;
             }
         }
-        writeln!(f, "\nThe guardian of a device that holds its last force")?;
-        write!(f, "{}", self.guardian)?;
+        writeln!(f, "\nThe watchdog of a device that holds its last force")?;
+        write!(f, "{}", self.watchdog)?;
         for device in &self.devices {
             writeln!(
                 f,

@@ -2,7 +2,7 @@
 
 use palpate_rt::{OnDevice, RenderedWorld, SetupError};
 use palpate_scene::world::WorldScene;
-use palpate_sim::device::{Told, told_of_devices};
+use palpate_sim::device::{Model, model_of_devices};
 use palpate_world::{Tool, WorldError};
 
 /// Reason why a loop cannot render a world on its devices.
@@ -25,13 +25,13 @@ pub fn rendered(
     method: &str,
     on: &[OnDevice],
 ) -> Result<RenderedWorld, NotRendered> {
-    let told = on.iter().map(|on| Told {
+    let model = on.iter().map(|on| Model {
         device: &on.capabilities,
         has_axes: has_axes(on),
         largest_force: on.limits.largest_force,
         largest_torque: on.limits.largest_torque,
     });
-    let scene = told_of_devices(scene, &told.collect::<Vec<_>>());
+    let scene = model_of_devices(scene, &model.collect::<Vec<_>>());
     let renderer = scene.renderer(method).map_err(NotRendered::World)?;
     let mut known = WorldScene::METHODS.into_iter();
     let method = known.find(|known| *known == method).unwrap_or("unknown");

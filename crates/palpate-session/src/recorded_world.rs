@@ -53,13 +53,13 @@ impl RecordedWorld {
     /// The recording is of one contact, or a part of its world is missing or invalid.
     pub fn of(recording: &Recording) -> Result<Self, RecordedWorldError> {
         let name = recording.path().display().to_string();
-        let Some(text) = recording.receipt.texts.get(Self::TEXT) else {
+        let Some(text) = recording.metadata.texts.get(Self::TEXT) else {
             return Err(RecordedWorldError::OneContact(name));
         };
         let mut file = WorldFile::parse(&name, text)?;
         let tools = file.scene.world.tools.iter();
         let names: Vec<_> = tools.map(|tool| tool.name.as_str()).collect();
-        let frames = frames_of_devices(&recording.receipt, &names)
+        let frames = frames_of_devices(&recording.metadata, &names)
             .map_err(|error| RecordedWorldError::NoFrame { name, error })?;
         for (number, frame) in frames.iter().enumerate() {
             let axes = [0, 1, 2].map(|axis| frame.has(axis));

@@ -8,12 +8,12 @@ use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Device};
 use palpate_record::recording::{Event, LoopTime, Recording};
 use palpate_rt::realtime::Answer;
-use palpate_rt::safety::Trip;
+use palpate_rt::safety::SafetyStop;
 use palpate_rt::{Account, Durations, LoopEnd, LoopStatistics, RenderedWorld, Renders};
-use palpate_world::Books;
+use palpate_world::EnergyLedger;
 use serde::Serialize;
 
-use crate::guardian::GuardianReport;
+use crate::watchdog::WatchdogReport;
 use palpate_study::recording::{in_a_line, motors_off, refused};
 use palpate_study::text::{counted, digits, hanging, lines, number, plain_table};
 
@@ -38,14 +38,14 @@ pub struct RunReport {
     realtime: Vec<AnswerReport>,
     timing: TimingReport,
     /// Safety stop that keeps the force at zero at the end, if any.
-    trip: Option<&'static str>,
+    safety_stop: Option<&'static str>,
     #[serde(skip)]
-    trip_in_words: &'static str,
+    safety_stop_in_words: &'static str,
     #[serde(skip)]
     several: bool,
     /// World name of the device with the safety stop, if there are several devices.
     #[serde(skip_serializing_if = "Option::is_none")]
-    tripped_device: Option<String>,
+    stopped_device: Option<String>,
     supervisor_cuts: u64,
     /// Duration of the loop.
     lasted_s: f64,
@@ -56,7 +56,7 @@ pub struct RunReport {
     #[serde(skip)]
     time: LoopTime,
     /// Watchdog process of a device that holds its last force.
-    guardian: Option<GuardianReport>,
+    watchdog: Option<WatchdogReport>,
     peak_force_n: f64,
     deepest_penetration_m: f64,
     /// Generated energy of the forces that the motors held, if the loop is as modelled (delay, lag, gain). Energy
@@ -70,8 +70,8 @@ pub struct RunReport {
     events: Vec<EventReport>,
     all_events: u64,
     /// Number of ticks and events that the recorder lost.
-    untold: u64,
-    untold_ticks: u64,
+    unmodelled: u64,
+    unreported_ticks: u64,
     recording: Option<RecordingReport>,
 }
 
@@ -187,12 +187,16 @@ impl Energies {
     #[must_use]
     pub fn of_world<D: Device, C: Clock>(
         end: &LoopEnd<D, C, RenderedWorld>,
-        books: &Books,
+        ledger: &EnergyLedger,
     ) -> Self {
         Self {
             leak_held: end.control.rendered().created_energy(),
-            port_work: -books.devices.iter().map(|book| book.port_work).sum::<f64>(),
-            outside_work: books.bodies.iter().map(|book| book.outside).sum(),
+            port_work: -ledger
+                .devices
+                .iter()
+                .map(|entry| entry.port_work)
+                .sum::<f64>(),
+            outside_work: ledger.bodies.iter().map(|entry| entry.outside).sum(),
         }
     }
 }
@@ -230,7 +234,7 @@ impl RunReport {
                 device.name.clone()
             }
         });
-        let tripped = end.control.tripped_device().filter(|_| several);
+        let stopped = end.control.stopped_device().filter(|_| several);
         let last = account.last.unwrap_or_default().contact;
         Self {
             format: FORMAT,
@@ -248,10 +252,10 @@ impl RunReport {
                 })
                 .collect(),
             timing: (&end.statistics).into(),
-            trip: end.trip.map(Trip::name),
-            trip_in_words: trip_in_words(end.trip),
+            safety_stop: end.safety_stop.map(SafetyStop::name),
+            safety_stop_in_words: safety_stop_in_words(end.safety_stop),
             several,
-            tripped_device: tripped
+            stopped_device: stopped
                 .and_then(|(device, _)| names.get(device))
                 .map(|name| (*name).to_owned()),
             supervisor_cuts: end.cuts,
@@ -259,7 +263,7 @@ impl RunReport {
             motors_off_s: seconds(end.statistics.time.motors_off),
             motors_off_ticks: end.statistics.motors_off,
             time: end.statistics.time,
-            guardian: None,
+            watchdog: None,
             peak_force_n: account.peak_force,
             deepest_penetration_m: account.deepest,
             leak_held_j: last.held_leak,
@@ -268,8 +272,8 @@ impl RunReport {
             outside_work_j: last.outside_work,
             events: account.events.iter().map(event).collect(),
             all_events: account.events_made,
-            untold: account.lost_ticks() + account.lost_events(),
-            untold_ticks: account.lost_ticks(),
+            unmodelled: account.lost_ticks() + account.lost_events(),
+            unreported_ticks: account.lost_ticks(),
             recording: recording.map(|recording| RecordingReport {
                 file: recording.path().display().to_string(),
                 complete: recording.is_complete(),
@@ -299,16 +303,16 @@ impl RunReport {
 
     /// Sets the report on the device's watchdog process.
     #[must_use]
-    pub fn guarded(self, guardian: Option<GuardianReport>) -> Self {
-        Self { guardian, ..self }
+    pub fn guarded(self, watchdog: Option<WatchdogReport>) -> Self {
+        Self { watchdog, ..self }
     }
 }
 
 /// Describes a safety stop that is active at the end.
-fn trip_in_words(trip: Option<Trip>) -> &'static str {
-    match trip {
-        Some(Trip::DeviceLost) => "at the end the device was gone",
-        Some(trip) if trip.is_passing() => {
+fn safety_stop_in_words(safety_stop: Option<SafetyStop>) -> &'static str {
+    match safety_stop {
+        Some(SafetyStop::DeviceLost) => "at the end the device was gone",
+        Some(safety_stop) if safety_stop.is_passing() => {
             "at the end a safety stop was on that ends by itself once its reason has passed"
         }
         _ => "safety stop until the end",
@@ -364,8 +368,8 @@ impl RunReport {
             };
             writeln!(f, "{}: {outcome}", answer.asked)?;
         }
-        if let Some(guardian) = &self.guardian {
-            writeln!(f, "{guardian}")?;
+        if let Some(watchdog) = &self.watchdog {
+            writeln!(f, "{watchdog}")?;
         }
         writeln!(f, "\n{}", self.timing)?;
         writeln!(
@@ -386,10 +390,10 @@ impl RunReport {
             let times = counted(self.supervisor_cuts, "time");
             writeln!(f, "the supervisor commanded no force {times}")?;
         }
-        if let Some(trip) = self.trip {
-            let of = self.tripped_device.as_ref();
+        if let Some(safety_stop) = self.safety_stop {
+            let of = self.stopped_device.as_ref();
             let of = of.map_or_else(String::new, |name| format!(", by the device `{name}`"));
-            writeln!(f, "{}: {trip}{of}", self.trip_in_words)?;
+            writeln!(f, "{}: {safety_stop}{of}", self.safety_stop_in_words)?;
         }
         for event in self.events.iter().take(SHOWN) {
             writeln!(f, "  {:>10.4} s  {}: {}", event.t_s, event.kind, event.text)?;
@@ -400,11 +404,11 @@ impl RunReport {
         }
         if let Some(recording) = &self.recording {
             writeln!(f, "{}", recording.in_a_line)?;
-        } else if self.untold_ticks > 0 {
+        } else if self.unreported_ticks > 0 {
             writeln!(
                 f,
                 "{} came too fast to be listened to",
-                counted(self.untold_ticks, "tick")
+                counted(self.unreported_ticks, "tick")
             )?;
         }
         Ok(())

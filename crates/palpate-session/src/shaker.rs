@@ -9,14 +9,14 @@ use palpate_device::clock::Clock;
 use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 use palpate_rt::StopFlag;
 use palpate_rt::safety::{
-    Heartbeat, OscillationParams, Rendered, Safety, SafetyError, SafetyParams, Trip,
+    Heartbeat, OscillationParams, Rendered, Safety, SafetyError, SafetyParams, SafetyStop,
 };
 use palpate_study::calibration::ExcitedMotion;
 
 use crate::settling::{PATIENCE, Settling};
 
 /// Maximum share of missing samples.
-const MOST_MISSING: f64 = 0.02;
+const MAX_MISSING: f64 = 0.02;
 
 /// Reason for an incomplete excitation.
 #[derive(Debug, thiserror::Error)]
@@ -82,7 +82,7 @@ pub enum ShakeDeclined {
     },
     /// The safety layer took the force off.
     #[error("stopped: safety took the force off ({})", .0.name())]
-    Tripped(Trip),
+    SafetyStop(SafetyStop),
 }
 
 /// Loop that sleeps, reads a sample, evaluates the excitation, applies the safety layer, and commands the force.
@@ -169,7 +169,7 @@ impl<C: Clock> Shaker<C> {
         ended?;
         let mut motion = self.motion;
         let missed = motion.missed();
-        if missed as f64 > MOST_MISSING * motion.length() as f64 {
+        if missed as f64 > MAX_MISSING * motion.length() as f64 {
             let length = motion.length();
             return Err(ShakeDeclined::Missing { missed, length }.into());
         }
@@ -258,7 +258,7 @@ impl<C: Clock> Shaker<C> {
         }
         let coordinate = self.axis.coordinate(pose.position);
         let force = self.motion.take(Some(pose.time.as_secs_f64()), coordinate);
-        let verdict = self.safety.judge(&Rendered {
+        let verdict = self.safety.evaluate(&Rendered {
             elapsed,
             position: pose.position,
             coordinate,
@@ -270,9 +270,12 @@ impl<C: Clock> Shaker<C> {
         if stalled {
             self.motion.lose_last();
         }
-        let passing = [Trip::StaleSample, Trip::Stalled];
-        if let Some(trip) = verdict.tripped.filter(|trip| !passing.contains(trip)) {
-            return Err(ShakeDeclined::Tripped(trip).into());
+        let passing = [SafetyStop::StaleSample, SafetyStop::Stalled];
+        if let Some(safety_stop) = verdict
+            .stopped
+            .filter(|safety_stop| !passing.contains(safety_stop))
+        {
+            return Err(ShakeDeclined::SafetyStop(safety_stop).into());
         }
         self.command(verdict.wrench)
     }

@@ -5,7 +5,7 @@ use palpate_testbed::actuator::Actuator;
 use palpate_testbed::device::DevicePlant;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::measure::{Sampler, SensorNoise};
-use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement, ReboundSpeed};
+use palpate_testbed::metrics::{EnergyEvaluation, ForceEvaluation, ReboundSpeed};
 use palpate_testbed::profile::{ForceProfile, Snapshot};
 use palpate_testbed::reference::{self, ReferenceScene, Stop};
 use palpate_testbed::timeline::Timeline;
@@ -14,7 +14,7 @@ use palpate::{Mass, Method, MethodParams, ParameterValue, Renderer};
 
 use crate::own_device::{OwnDevice, Seen};
 use crate::plant::{Plant, is_free};
-use crate::run::{Held, IdealPoint, MOST_PERIODS, Reference, Run, RunMethod, Tick};
+use crate::run::{Held, IdealPoint, MAX_PERIODS, Reference, Run, RunMethod, Tick};
 use crate::sampled_loop::{Sampled, SampledLoop};
 use palpate_scene::method::MethodName;
 use palpate_scene::named_parameters::named_parameters;
@@ -43,7 +43,7 @@ enum IdealMotion {
 /// Longest step of an integrated ideal `[s]`.
 const LONGEST_STEP: f64 = 1e-5;
 /// Most steps of an integrated ideal in a period, however long that is.
-const MOST_STEPS: f64 = 10_000.0;
+const MAX_STEPS: f64 = 10_000.0;
 
 impl<'a> Bench<'a> {
     /// Sets up `scene` and its ideal.
@@ -80,7 +80,7 @@ impl<'a> Bench<'a> {
         let sign: f64 = scene.contact.side.sign();
         let period = scene.loop_params.period;
         let too_long = |periods: f64| {
-            if periods > MOST_PERIODS as f64 {
+            if periods > MAX_PERIODS as f64 {
                 Err(LoopError::TooLong(periods))
             } else {
                 Ok(())
@@ -198,7 +198,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Those of [`run`](Self::run), or `scene` differs in anything else.
     pub fn run_varied(&self, scene: &Scene, method: MethodName) -> Result<Run, LoopError> {
-        if !self.judges(scene) {
+        if !self.evaluates(scene) {
             return Err(LoopError::AnotherScene);
         }
         if scene.delay == self.scene.delay {
@@ -214,7 +214,7 @@ impl<'a> Bench<'a> {
     /// Whether this bench can [run](Self::run_varied) `scene`, if the loop is perfect or the delay is its own:
     /// whether its ideal is that of `scene`.
     #[must_use]
-    pub fn judges(&self, scene: &Scene) -> bool {
+    pub fn evaluates(&self, scene: &Scene) -> bool {
         let mut own = self.scene.clone();
         own.settings.clone_from(&scene.settings);
         own.loop_params.guard = scene.loop_params.guard;
@@ -228,8 +228,8 @@ impl<'a> Bench<'a> {
         {
             *samples = others;
         }
-        own.told = scene.told;
-        own.told_device_mass = scene.told_device_mass;
+        own.model = scene.model;
+        own.model_device_mass = scene.model_device_mass;
         own == *scene
     }
 
@@ -348,13 +348,13 @@ impl<'a> Bench<'a> {
             .map(|held| sign * held.force_on_object)
             .collect();
         let profile = &self.reference.profile;
-        let energy = self.energy_judgement(&forces, &record);
+        let energy = self.energy_evaluation(&forces, &record);
         Ok(Run {
             method,
             parameters,
             ticks,
             held,
-            force: ForceJudgement::of(&forces, profile).expect("one force per interval"),
+            force: ForceEvaluation::of(&forces, profile).expect("one force per interval"),
             jammed_at,
             left_box_at,
             diverged: Some(self.has_diverged(
@@ -400,17 +400,17 @@ impl HeldSince {
 impl Bench<'_> {
     /// Returns the effect of a lossless loop on its energy. With friction or a passive hand, energy is not conserved
     /// and cannot be compared.
-    fn energy_judgement(&self, held: &[f64], record: &[Snapshot]) -> Option<EnergyJudgement> {
+    fn energy_evaluation(&self, held: &[f64], record: &[Snapshot]) -> Option<EnergyEvaluation> {
         match (&self.motion, &self.plant) {
             (IdealMotion::Exact(ideal), Plant::Free(_)) => Some(
-                EnergyJudgement::sampled(ideal, &self.reference.profile, held, record)
+                EnergyEvaluation::sampled(ideal, &self.reference.profile, held, record)
                     .expect("one force per interval, and a sample"),
             ),
             _ => None,
         }
     }
 
-    fn has_diverged(&self, energy: Option<&EnergyJudgement>, record: &[Snapshot]) -> bool {
+    fn has_diverged(&self, energy: Option<&EnergyEvaluation>, record: &[Snapshot]) -> bool {
         match energy {
             Some(energy) => energy.diverged,
             None => {
@@ -509,10 +509,10 @@ fn integrated_ideal(
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "from 1 to MOST_STEPS / 20"
+        reason = "from 1 to MAX_STEPS / 20"
     )]
     let twenties = (period / LONGEST_STEP)
-        .clamp(20.0, MOST_STEPS)
+        .clamp(20.0, MAX_STEPS)
         .div_euclid(20.0) as usize;
     let object = |steps_per_period| ReferenceScene {
         stiffness: scene.contact.stiffness,
@@ -567,13 +567,13 @@ pub fn error_against(run: &Run, fine: &Run) -> Option<f64> {
 /// rounding.
 fn whole_periods(duration: f64, period: f64) -> Result<usize, LoopError> {
     let periods = (duration / period - 1e-6).ceil().max(1.0);
-    if periods > MOST_PERIODS as f64 {
+    if periods > MAX_PERIODS as f64 {
         return Err(LoopError::TooLong(periods));
     }
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "a whole number from 1 to MOST_PERIODS"
+        reason = "a whole number from 1 to MAX_PERIODS"
     )]
     Ok(periods as usize)
 }

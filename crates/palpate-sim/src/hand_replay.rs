@@ -56,7 +56,7 @@ use std::sync::Arc;
 use crate::replay::ReplaySetup;
 use crate::run::{Reference, Run};
 use palpate_scene::method::MethodName;
-use palpate_scene::{ActuatorParams, Delay, Measure, Scene, SceneDevice, Timing, Told};
+use palpate_scene::{ActuatorParams, Delay, Measure, Model, Scene, SceneDevice, Timing};
 
 /// Tolerance on the end of the last period beyond that of the recording, in recording steps: time stamps are decimal.
 const SAME_INSTANT: f64 = 1e-6;
@@ -89,7 +89,7 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
             encoder_quantum: setup.encoder_quantum,
             at_its_instants: false,
         },
-        told_device_mass: setup.device_mass,
+        model_device_mass: setup.device_mass,
         object_radius: 0.0,
         delay: if setup.delay().is_whole() {
             setup.delay()
@@ -101,12 +101,12 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
             gain: actuation.gain,
             lag: actuation.lag,
         },
-        told: Told {
+        model: Model {
             delay_deviation: Some(actuation.delay_deviation),
             lag_deviation: Some(actuation.lag_deviation),
             gain_deviation: Some(actuation.gain_deviation),
             transmission: actuation.transmission,
-            ..Told::default()
+            ..Model::default()
         },
         measure: Measure::Duration(periods * period),
         method: MethodName::default(),

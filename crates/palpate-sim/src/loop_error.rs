@@ -4,7 +4,7 @@ use palpate_scene::SetupError;
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::reference::ReferenceError;
 
-use crate::run::MOST_PERIODS;
+use crate::run::MAX_PERIODS;
 
 /// Reason why a scene cannot run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -36,6 +36,6 @@ pub enum LoopError {
     )]
     AnotherScene,
     /// The window is too long.
-    #[error("the window has {0} periods; at most {MOST_PERIODS} fit")]
+    #[error("the window has {0} periods; at most {MAX_PERIODS} fit")]
     TooLong(f64),
 }

@@ -11,11 +11,11 @@ use palpate::{
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
 use palpate_testbed::grid::Grid;
-use palpate_testbed::metrics::ForceJudgement;
+use palpate_testbed::metrics::ForceEvaluation;
 use palpate_testbed::recorded_path::{PathError, RecordedPath, to_nanoseconds};
 
 use crate::delivery::Delivery;
-use crate::run::{MOST_PERIODS, Reference, Run, RunMethod, Tick};
+use crate::run::{MAX_PERIODS, Reference, Run, RunMethod, Tick};
 use palpate_scene::method::{Basis, MethodName, Settings, SettingsError};
 use palpate_scene::named_parameters::named_parameters;
 use palpate_scene::{Delay, Scene, SetupError, stored_energy};
@@ -71,18 +71,18 @@ impl ReplaySetup {
             loop_params: scene.loop_params,
             object: scene.object,
             virtual_force: scene.virtual_force,
-            actuation: if scene.told.delay.is_none() && scene.delay.seconds() == 0.0 {
+            actuation: if scene.model.delay.is_none() && scene.delay.seconds() == 0.0 {
                 // The delay may exceed the longest one that a renderer supports.
                 let samples =
                     Actuation::after_samples(scene.delay.whole_samples(), scene.loop_params.period);
                 Actuation {
                     delay: samples.delay,
-                    ..scene.told_actuation()
+                    ..scene.model_actuation()
                 }
             } else {
-                scene.told_actuation()
+                scene.model_actuation()
             },
-            device_mass: Some(scene.told_device_mass.unwrap_or(scene.device.mass())),
+            device_mass: Some(scene.model_device_mass.unwrap_or(scene.device.mass())),
             encoder_quantum: scene.device.encoder_quantum(),
         }
     }
@@ -124,7 +124,7 @@ pub enum ReplayError {
     #[error("the ideal force on this recording is not a finite number: a position is too large")]
     Overflow,
     /// The recording is too long for the period.
-    #[error("the recording has {0} periods; at most {MOST_PERIODS} fit, so cut it")]
+    #[error("the recording has {0} periods; at most {MAX_PERIODS} fit, so cut it")]
     TooLong(usize),
     /// The recording is shorter than a period.
     #[error("the recording lasts {} s, less than one period of {period} s", to_nanoseconds(*recorded))]
@@ -165,7 +165,7 @@ impl Replay {
         let period = setup.loop_params.period;
         let recorded = RecordedPath::new(times, positions)?;
         let periods = recorded.whole_periods(period)?;
-        if periods > MOST_PERIODS {
+        if periods > MAX_PERIODS {
             return Err(ReplayError::TooLong(periods));
         }
         let resampled = recorded.resample(period)?;
@@ -194,7 +194,7 @@ impl Replay {
     ) -> Result<Self, ReplayError> {
         check(&setup)?;
         let recorded = RecordedPath::new(times, positions)?;
-        if times.len() - 1 > MOST_PERIODS {
+        if times.len() - 1 > MAX_PERIODS {
             return Err(ReplayError::TooLong(times.len() - 1));
         }
         let grid = Grid::cut_at(times.to_vec(), setup.loop_params.period)?;
@@ -341,7 +341,7 @@ impl Replay {
         Ok(Run {
             method,
             parameters,
-            force: ForceJudgement::of(&forces, &self.reference.profile)
+            force: ForceEvaluation::of(&forces, &self.reference.profile)
                 .expect("one force per interval"),
             ticks,
             held,

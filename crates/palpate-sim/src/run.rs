@@ -3,7 +3,7 @@
 use std::fmt;
 
 use palpate::{Ledger, Output, ParameterValue};
-use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement, ReboundSpeed};
+use palpate_testbed::metrics::{EnergyEvaluation, ForceEvaluation, ReboundSpeed};
 use palpate_testbed::profile::{ForceProfile, Snapshot};
 
 use palpate_scene::method::MethodName;
@@ -25,7 +25,7 @@ pub struct Tick {
     pub held_force_on_object: f64,
     /// Arrival of this sample's command at the motor `[s]`; `None` after the window's end.
     pub command_from: Option<f64>,
-    /// Books of the intervals before this sample.
+    /// EnergyLedger of the intervals before this sample.
     pub ledger: Ledger<f64>,
 }
 
@@ -90,7 +90,7 @@ pub struct Run {
     /// The force that was really held, one for each interval of the reference's profile.
     pub held: Vec<Held>,
     /// Metrics of the held force against the ideal one.
-    pub force: ForceJudgement,
+    pub force: ForceEvaluation,
     /// Time at which a linkage jams at the end of its reach `[s]`. The rest of the run shows the end stop of the
     /// mechanism, not the method.
     pub jammed_at: Option<f64>,
@@ -101,7 +101,7 @@ pub struct Run {
     pub diverged: Option<bool>,
     /// Effect of the loop on the energy of device and object; only for closed loops of a point mass without friction
     /// under a constant force.
-    pub energy: Option<EnergyJudgement>,
+    pub energy: Option<EnergyEvaluation>,
     /// Separation speed of device and object after each ideal collision that ends within the window; closed loops only.
     pub rebounds: Vec<ReboundSpeed>,
     /// Work through the port as integrated by the bench, independently of the renderer's energy ledger, positive into
@@ -187,7 +187,7 @@ impl Reference {
         snapshot: impl Fn(f64) -> Snapshot,
     ) -> Self {
         let duration = profile.grid().end() - profile.start();
-        let points = (profile.intervals() * CURVE_POINTS_PER_PERIOD).min(MOST_CURVE_POINTS);
+        let points = (profile.intervals() * CURVE_POINTS_PER_PERIOD).min(MAX_CURVE_POINTS);
         let curve = (0..=points)
             .map(|i| {
                 let at = snapshot(profile.start() + duration * (i as f64 / points as f64));
@@ -210,9 +210,9 @@ impl Reference {
 }
 
 /// Longest run `[periods]`. Every tick is kept, about 200 bytes each and for every method.
-pub const MOST_PERIODS: usize = 2_000_000;
+pub const MAX_PERIODS: usize = 2_000_000;
 
 /// Points of the fine grid of a reference per period, as long as there are not too many.
 const CURVE_POINTS_PER_PERIOD: usize = 20;
 /// Most points of the fine grid: more than any figure can show.
-const MOST_CURVE_POINTS: usize = 1_000_000;
+const MAX_CURVE_POINTS: usize = 1_000_000;

@@ -8,7 +8,7 @@ use palpate_calibrate::{
 };
 use palpate_device::clock::SteppedClock;
 use palpate_device::{Device, DeviceError, Wrench};
-use palpate_scene::{Scene, Told};
+use palpate_scene::{Model, Scene};
 use palpate_sim::device::SimulatedDevice;
 use palpate_testbed::InvalidParameter;
 
@@ -83,7 +83,7 @@ pub fn excite(
 /// Returns the model values of delay, lag, gain, sensor and transmission from a calibration, for the quantities that
 /// `taken` selects.
 #[must_use]
-pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told {
+pub fn model(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Model {
     let known = |quantity: Quantity| {
         let known = calibration.known.get(&quantity);
         known.filter(|_| taken(quantity))
@@ -106,7 +106,7 @@ pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told
         (Some(deviation), Some(jitter)) => Some(deviation.hypot(jitter)),
         (deviation, jitter) => deviation.or(jitter),
     };
-    Told {
+    Model {
         delay: delay.map(|delay| delay.value),
         delay_deviation: of_delay,
         lag: lag.map(|lag| lag.value),
@@ -121,16 +121,16 @@ pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told
 /// Returns the model values for a simulated loop with the calibrated delay, lag and sensor quantum: the deviations
 /// and the sensor noise. The simulated device is rigid and its gain is 1, so the deviation of the gain is relative.
 #[must_use]
-pub fn deviations(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told {
-    let told = told(calibration, taken);
-    Told {
-        delay_deviation: told.delay_deviation,
-        lag_deviation: told.lag_deviation,
-        gain_deviation: told
+pub fn deviations(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Model {
+    let model = model(calibration, taken);
+    Model {
+        delay_deviation: model.delay_deviation,
+        lag_deviation: model.lag_deviation,
+        gain_deviation: model
             .gain_deviation
-            .map(|deviation| deviation / told.gain.unwrap_or(1.0)),
-        sensor_noise: told.sensor_noise,
-        ..Told::default()
+            .map(|deviation| deviation / model.gain.unwrap_or(1.0)),
+        sensor_noise: model.sensor_noise,
+        ..Model::default()
     }
 }
 

@@ -22,10 +22,10 @@ pub const COLUMNS: [&str; 15] = [
     "title",
     "method",
     "kappa",
-    "hold_floor_percent",
+    "hold_bound_percent",
     "mean_force_error_percent",
     "force_rendering_error_percent",
-    "error_over_floor",
+    "error_over_bound",
     "peak_over_ideal",
     "absolute_leak_held_j",
     "diverged",
@@ -64,7 +64,7 @@ pub struct SceneRows {
     /// K T²/m.
     pub kappa: Option<f64>,
     /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
-    pub hold_floor_percent: Option<f64>,
+    pub hold_bound_percent: Option<f64>,
     /// Strongest force of the ideal `[N]`.
     pub ideal_peak_force_n: Option<f64>,
     /// Error of the ideal's impulses relative to the largest; 0 if it is exact.
@@ -112,7 +112,7 @@ pub struct Figures {
     /// FRE `[%]`; none without contact.
     pub force_rendering_error_percent: Option<f64>,
     /// FRE over the zero-order-hold bound; none if the bound is 0.
-    pub error_over_floor: Option<f64>,
+    pub error_over_bound: Option<f64>,
     /// Peak force over that of the ideal.
     pub peak_over_ideal: Option<f64>,
     /// Sum of the absolute leaks of the held force `[J]`.
@@ -190,7 +190,7 @@ impl SceneRows {
             conditions: report.in_short(),
             title: report.title,
             kappa: report.kappa,
-            hold_floor_percent: report.hold_floor_percent,
+            hold_bound_percent: report.hold_bound_percent,
             ideal_peak_force_n: (peak > 0.0).then_some(peak),
             ideal_error: report.ideal_error,
             methods,
@@ -215,12 +215,12 @@ impl SceneRows {
         row[1].clone_from(&self.title);
         row[2] = method.method.into();
         row[3] = text(self.kappa);
-        row[4] = text(self.hold_floor_percent);
+        row[4] = text(self.hold_bound_percent);
         match &method.result {
             Outcome::Ran(run) => {
                 row[5] = text(run.mean_force_error_percent);
                 row[6] = text(run.force_rendering_error_percent);
-                row[7] = text(run.error_over_floor);
+                row[7] = text(run.error_over_bound);
                 row[8] = text(run.peak_over_ideal);
                 row[9] = run.absolute_leak_held_j.to_string();
                 row[10] = run.diverged.map_or_else(String::new, |it| it.to_string());
@@ -240,7 +240,7 @@ impl Figures {
             parameters: report.parameters,
             mean_force_error_percent: report.mean_force_error_percent,
             force_rendering_error_percent: report.force_rendering_error_percent,
-            error_over_floor: report.error_over_floor,
+            error_over_bound: report.error_over_bound,
             peak_over_ideal: (ideal_peak > 0.0).then_some(report.peak_force_n / ideal_peak),
             absolute_leak_held_j: report.absolute_leak_held_j,
             diverged: report.diverged,
@@ -296,7 +296,7 @@ impl fmt::Display for Comparison {
                         let cells = vec![
                             run.mean_force_error_percent.map(percent),
                             run.force_rendering_error_percent.map(percent),
-                            run.error_over_floor.map(digits),
+                            run.error_over_bound.map(digits),
                             run.peak_over_ideal.map(digits),
                             Some(digits(1e3 * run.absolute_leak_held_j)),
                         ];

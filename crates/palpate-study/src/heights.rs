@@ -68,9 +68,9 @@ pub fn over_heights(
     let heights: Vec<Vec<Vec<(Fidelity, bool)>>> = (0..HEIGHTS)
         .into_par_iter()
         .map(|height| {
-            let judged = at_one(&at_height(scene, height), columns);
+            let evaluated = at_one(&at_height(scene, height), columns);
             done();
-            judged
+            evaluated
         })
         // A caller cancels the rest by a panic in `done`.
         .panic_fuse()
@@ -100,7 +100,7 @@ pub fn over_heights(
 /// Returns the errors of every column's candidates, and whether they diverged.
 fn at_one(scene: &Scene, columns: &[Column]) -> Result<Vec<Vec<(Fidelity, bool)>>, HeightsError> {
     let bench = Bench::new(scene).map_err(HeightsError::Scene)?;
-    let judged = |column: &Column, varied: &Scene| {
+    let evaluated = |column: &Column, varied: &Scene| {
         let run =
             bench
                 .run_varied(varied, column.method)
@@ -115,7 +115,9 @@ fn at_one(scene: &Scene, columns: &[Column]) -> Result<Vec<Vec<(Fidelity, bool)>
         .iter()
         .map(|column| {
             let candidates = column.candidates(scene);
-            let runs = candidates.iter().map(|(_, varied)| judged(column, varied));
+            let runs = candidates
+                .iter()
+                .map(|(_, varied)| evaluated(column, varied));
             runs.collect()
         })
         .collect()

@@ -13,7 +13,7 @@ pub const WIDTH: usize = 80;
 pub const E: &str =
     "E: error of the mean force of each period, the part of FRE that a method can avoid.";
 /// Explanation of the force rendering error column.
-pub const FRE: &str = "FRE: error of the held force, the hold floor included.";
+pub const FRE: &str = "FRE: error of the held force, the hold bound included.";
 /// Explanation of the absolute leak column.
 pub const ABSOLUTE_LEAK: &str = "|leak|: energy that the held force created or took \
     away, every part counted as positive.";

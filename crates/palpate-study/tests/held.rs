@@ -32,7 +32,7 @@ struct Best<const N: usize> {
 /// Simulated time of a setting in the search for the lowest first number, and in the evaluation of the best one
 /// `[s]`.
 const TRIED: usize = 10;
-const JUDGED: usize = 60;
+const EVALUATED: usize = 60;
 
 fn best<const N: usize>(
     name: &str,
@@ -61,7 +61,7 @@ fn best<const N: usize>(
         .into_iter()
         .min_by(|one, other| one.0.total_cmp(&other.0));
     Best {
-        numbers: best.and_then(|(_, method)| numbers(method, JUDGED)),
+        numbers: best.and_then(|(_, method)| numbers(method, EVALUATED)),
         settings,
         lost,
     }
@@ -74,9 +74,9 @@ fn coupled<const N: usize>(
     quantum: f64,
     numbers: impl Fn(WorldMethod, usize) -> Option<[f64; N]>,
 ) -> [f64; N] {
-    let all = [1.5, 0.67].map(|told| {
-        let params = CoupledParams::new(vec![mass.map(|mass| told * mass); tools]);
-        numbers(params.with_encoder_quantum(quantum).into(), JUDGED).unwrap()
+    let all = [1.5, 0.67].map(|model| {
+        let params = CoupledParams::new(vec![mass.map(|mass| model * mass); tools]);
+        numbers(params.with_encoder_quantum(quantum).into(), EVALUATED).unwrap()
     });
     std::array::from_fn(|number| all[0][number].abs().max(all[1][number].abs()))
 }
@@ -176,12 +176,12 @@ fn a_peg_that_is_pressed_for_a_minute() {
     let source = include_str!("../../../experiments/worlds/peg.toml");
     let scene = WorldFile::parse("peg.toml", source).unwrap().scene;
     let renders = |method: WorldMethod, seconds: usize| {
-        let renderer = WorldRenderer::new(&scene.world, scene.in_loop(), method).ok()?;
+        let renderer = WorldRenderer::new(&scene.world, scene.loop_params(), method).ok()?;
         let [force, torque, deepest] = pressed::pressed(&scene, &renderer, seconds)?;
         Some([force, torque, 1e3 * deepest])
     };
     let scales = [Scale::of(&scene)];
-    let own = renders(scene.method("coupled").unwrap(), JUDGED).unwrap();
+    let own = renders(scene.method("coupled").unwrap(), EVALUATED).unwrap();
     let title = "ripple of the force %, of the torque %, deepest mm";
     let [_, _, coupling, god_object] = table(title, own, |name| best(name, &scales, 1, renders));
     assert_eq!(god_object, None, "it does not turn its tool");

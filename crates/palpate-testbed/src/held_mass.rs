@@ -24,13 +24,13 @@ use crate::arc::GAUSS_LEGENDRE;
 use crate::device::DevicePlant;
 use crate::error::{finite, not_negative, positive};
 use crate::hand::Hand;
-use crate::power_series::{MOST_TERMS, first_fall, integral, terms, value};
+use crate::power_series::{MAX_TERMS, first_fall, integral, terms, value};
 
 /// Most spans and events of one advance.
 ///
 /// A million radians of the fastest rate: a device of 1 g in 100 N s/m would have to be left alone
 /// for ten seconds. See [`HeldMass::gave_up`].
-const MOST_SPANS: usize = 1_000_000;
+const MAX_SPANS: usize = 1_000_000;
 
 /// A slide from rest that ends within this fraction of its span is the round-off of a force that
 /// touches the friction's level, and no slide.
@@ -229,8 +229,8 @@ impl HeldMass {
     /// The motion over a span that begins now, were there no event in it.
     fn motion(&self, force: f64, span: f64, state: State, rate: f64) -> MotionSeries {
         let count = terms(rate * span);
-        let mut intended_velocity = [0.0; MOST_TERMS];
-        let mut hand_force = [0.0; MOST_TERMS];
+        let mut intended_velocity = [0.0; MAX_TERMS];
+        let mut hand_force = [0.0; MAX_TERMS];
         self.hand.write_series(
             self.time(),
             span,
@@ -239,7 +239,7 @@ impl HeldMass {
         );
         let mass = self.moved_mass();
         let (stiffness, damping) = (self.hand.stiffness(), self.hand.damping());
-        let mut velocity = [0.0; MOST_TERMS];
+        let mut velocity = [0.0; MAX_TERMS];
         velocity[0] = self.velocity;
         // Coefficient of x_int − x; its rate is x_int′ − x′.
         let mut distance = self.hand.intended_position(self.time()) - self.position;
@@ -286,7 +286,7 @@ impl HeldMass {
         travel
     }
 
-    fn let_go(&mut self) {
+    fn disable_output(&mut self) {
         let before = self.kinetic_energy();
         self.hand = Hand::pushing(0.0);
         self.release = f64::INFINITY;
@@ -303,7 +303,7 @@ impl HeldMass {
         let mut remaining = duration;
         let mut travel = 0.0;
         let mut decided = None;
-        for _ in 0..MOST_SPANS {
+        for _ in 0..MAX_SPANS {
             let state = decided.take().unwrap_or_else(|| self.state(force));
             let rate = match state {
                 State::Sliding { .. } => sliding_rate,
@@ -415,7 +415,7 @@ impl DevicePlant for HeldMass {
         if held > 0.0 {
             work += self.move_on(force_on_object, held);
         }
-        self.let_go();
+        self.disable_output();
         work + self.move_on(force_on_object, duration - held.max(0.0))
     }
 
@@ -447,9 +447,9 @@ struct MotionSeries {
     span: f64,
     count: usize,
     /// x′ `[m/s]`
-    velocity: [f64; MOST_TERMS],
+    velocity: [f64; MAX_TERMS],
     /// u `[N]`
-    hand_force: [f64; MOST_TERMS],
+    hand_force: [f64; MAX_TERMS],
 }
 
 impl MotionSeries {

@@ -32,7 +32,7 @@
 //!
 //! ```
 //! use palpate_testbed::ideal::{Ideal, PointMassScene};
-//! use palpate_testbed::metrics::ForceJudgement;
+//! use palpate_testbed::metrics::ForceEvaluation;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! // A 0.1 kg block falls by 0.1 m onto a device of the same mass that is held against gravity.
@@ -53,10 +53,10 @@
 //!
 //! // The best any loop can hold at this period: the mean of the ideal force, interval by interval.
 //! let held: Vec<f64> = profile.mean_forces().collect();
-//! let judgement = ForceJudgement::of(&held, &profile)?;
+//! let judgement = ForceEvaluation::of(&held, &profile)?;
 //! let fidelity = judgement.fidelity.ok_or("no contact")?;
 //! assert_eq!(fidelity.mean_force_error, 0.0);
-//! assert!((fidelity.force_rendering_error - fidelity.hold_floor).abs() < 1e-6);
+//! assert!((fidelity.force_rendering_error - fidelity.hold_bound).abs() < 1e-6);
 //! # Ok(())
 //! # }
 //! ```

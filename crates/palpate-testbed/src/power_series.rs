@@ -1,20 +1,20 @@
 //! Short power series on the unit interval, and where such a series first turns negative.
 
 /// Most coefficients a series has.
-pub(crate) const MOST_TERMS: usize = 24;
+pub(crate) const MAX_TERMS: usize = 24;
 
 /// A series that ends where the terms of exp, as far into it, are below this.
 const NEGLIGIBLE: f64 = 1e-17;
 
 /// Largest number of halvings of an interval; the remaining curvature is then below round-off.
-const MOST_HALVINGS: u32 = 27;
+const MAX_HALVINGS: u32 = 27;
 
 /// Returns the number of coefficients for a span of `radians` ≤ 1 of the fastest rate.
 ///
 /// The first three can all vanish, at a break-away, so the count begins after them.
 pub(crate) fn terms(radians: f64) -> usize {
     let (mut count, mut term) = (3, 1.0);
-    while term > NEGLIGIBLE && count < MOST_TERMS {
+    while term > NEGLIGIBLE && count < MAX_TERMS {
         count += 1;
         term *= radians / (count - 3) as f64;
     }
@@ -68,7 +68,7 @@ pub(crate) fn first_fall(coefficients: &[f64]) -> Option<f64> {
         coefficients: rest,
         curvature,
     };
-    search.between((0.0, rest[0]), (1.0, value(rest, 1.0)), MOST_HALVINGS)
+    search.between((0.0, rest[0]), (1.0, value(rest, 1.0)), MAX_HALVINGS)
 }
 
 struct Search<'a> {
@@ -171,6 +171,6 @@ mod tests {
             }
             assert!((value(&coefficients, 1.0) - radians.exp()).abs() < 1e-15);
         }
-        assert!(terms(1.0) < MOST_TERMS);
+        assert!(terms(1.0) < MAX_TERMS);
     }
 }

@@ -15,7 +15,7 @@ pub fn to_nanoseconds(difference: f64) -> f64 {
 const SAME_INSTANT: f64 = 1e-6;
 
 /// Most samples a resampling may make.
-const MOST_SAMPLES: f64 = 1e8;
+const MAX_SAMPLES: f64 = 1e8;
 
 /// Reason why times and positions do not form a path.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -172,7 +172,7 @@ impl RecordedPath {
         let periods =
             ((self.end() - self.start() + SAME_INSTANT * last_step.min(period)) / period).floor();
         InvalidParameter::unless(
-            periods < MOST_SAMPLES,
+            periods < MAX_SAMPLES,
             "period",
             period,
             "long enough for at most 1e8 periods in the recording",

@@ -85,7 +85,7 @@ const LONGEST_SEARCH: usize = 2_000;
 
 /// Most corrections of the force of a step. Each is better by the step's share of an oscillation,
 /// squared, so a few reach round-off.
-const MOST_CORRECTIONS: usize = 12;
+const MAX_CORRECTIONS: usize = 12;
 
 struct Object {
     mobility: f64,
@@ -225,7 +225,7 @@ impl Cells {
 
     /// Records a step of `h` `[s]` from `time` `[s]`, over which the penetration changes linearly from `before` to
     /// `after`; an edge of the grid may lie within it.
-    fn book(&mut self, k: f64, time: f64, h: f64, before: f64, after: f64) {
+    fn entry(&mut self, k: f64, time: f64, h: f64, before: f64, after: f64) {
         let end = time + h;
         let at = |instant: f64| before + (after - before) * ((instant - time) / h);
         let mut from = time;
@@ -330,7 +330,7 @@ impl<'a, D: DevicePlant + Clone> Run<'a, D> {
         let mut device = self.device.clone();
         let mut object = self.object.advanced(force, h);
         device.advance(force, h);
-        for _ in 0..MOST_CORRECTIONS {
+        for _ in 0..MAX_CORRECTIONS {
             let balanced = balanced_force(k, before, device.position() - object.0);
             // The same force would reproduce the motion; out of contact this holds at once.
             if balanced == force {
@@ -350,7 +350,7 @@ impl<'a, D: DevicePlant + Clone> Run<'a, D> {
         let after = self.penetration();
         self.follow_collision(time, before, after, approach, force);
         if let Some(cells) = &mut self.cells {
-            cells.book(k, time, h, before, after);
+            cells.entry(k, time, h, before, after);
         }
         (force * h, squared_force(k, before, after, h))
     }

@@ -33,7 +33,7 @@ use crate::profile::{Collision, ForceProfile};
 ///
 /// A contact that the motion comes back to lasts at least half an oscillation, so this bounds the
 /// number of collisions, the memory for them, and the work.
-const MOST_HALF_OSCILLATIONS: f64 = 1e7;
+const MAX_HALF_OSCILLATIONS: f64 = 1e7;
 
 /// Penetration and its rate: the state of the relative motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -135,7 +135,7 @@ impl RelativeMotion {
     /// Refuses a duration that holds too many oscillations to follow one by one.
     pub(crate) fn affords(&self, duration: f64) -> Result<(), InvalidParameter> {
         InvalidParameter::unless(
-            duration.is_finite() && duration * self.rate <= PI * MOST_HALF_OSCILLATIONS,
+            duration.is_finite() && duration * self.rate <= PI * MAX_HALF_OSCILLATIONS,
             "duration",
             duration,
             "finite, and at most 1e7 half oscillations of the contact",

@@ -14,7 +14,7 @@ use crate::arc::GAUSS_LEGENDRE;
 use crate::error::positive;
 use crate::grid::Grid;
 use crate::ideal::{Ideal, PointMassScene};
-use crate::power_series::{MOST_TERMS, first_fall, integral, terms, value};
+use crate::power_series::{MAX_TERMS, first_fall, integral, terms, value};
 use crate::profile::{Collision, ForceProfile, Snapshot};
 
 /// The ideal force over a window, and the motion that goes with it.
@@ -28,7 +28,7 @@ pub struct ViscousIdeal {
 
 /// Most spans and events within a period. A contact lasts half an oscillation at least, so only
 /// oscillations of less than a millionth of a period come near it.
-const MOST_SPANS: usize = 10_000_000;
+const MAX_SPANS: usize = 10_000_000;
 
 impl ViscousIdeal {
     /// The ideal of `scene` with friction b `[N s/m]` on its device, over `intervals` periods `[s]`.
@@ -53,7 +53,7 @@ impl ViscousIdeal {
         )?;
         let mut motion = DeviceAndObject::new(scene, friction);
         InvalidParameter::unless(
-            period * motion.contact_rate < MOST_SPANS as f64,
+            period * motion.contact_rate < MAX_SPANS as f64,
             "period",
             period,
             "less than 1e7 radians of the contact",
@@ -102,9 +102,9 @@ struct DeviceAndObject {
 /// Power series on a span, in units of the span.
 struct Series {
     count: usize,
-    penetration: [f64; MOST_TERMS],
-    device: [f64; MOST_TERMS],
-    object: [f64; MOST_TERMS],
+    penetration: [f64; MAX_TERMS],
+    device: [f64; MAX_TERMS],
+    object: [f64; MAX_TERMS],
 }
 
 impl DeviceAndObject {
@@ -171,7 +171,7 @@ impl DeviceAndObject {
     /// Moves on over a period; ∫ f dt and ∫ f² dt.
     fn over(&mut self, start: f64, period: f64) -> (f64, f64) {
         let (mut impulse, mut squared_force, mut done) = (0.0, 0.0, 0.0);
-        for _ in 0..MOST_SPANS {
+        for _ in 0..MAX_SPANS {
             let rate = if self.in_contact {
                 self.contact_rate
             } else {
@@ -181,7 +181,7 @@ impl DeviceAndObject {
             let span = if rate * left > 1.0 { 1.0 / rate } else { left };
             let series = self.series(span, terms(rate * span));
             let count = series.count;
-            let mut towards = [0.0; MOST_TERMS];
+            let mut towards = [0.0; MAX_TERMS];
             for (toward, c) in towards.iter_mut().zip(&series.penetration[..count]) {
                 *toward = if self.in_contact { *c } else { -*c };
             }
@@ -217,7 +217,7 @@ impl DeviceAndObject {
 
     /// The motion over `span` from now on, were there no event in it.
     fn series(&self, span: f64, count: usize) -> Series {
-        let (mut p, mut u, mut w) = ([0.0; MOST_TERMS], [0.0; MOST_TERMS], [0.0; MOST_TERMS]);
+        let (mut p, mut u, mut w) = ([0.0; MAX_TERMS], [0.0; MAX_TERMS], [0.0; MAX_TERMS]);
         (p[0], u[0], w[0]) = (self.penetration, self.device_velocity, self.object_velocity);
         let stiffness = if self.in_contact { self.stiffness } else { 0.0 };
         for n in 0..count - 1 {
@@ -258,10 +258,10 @@ impl DeviceAndObject {
         )
     }
 
-    /// Books a part of the contact in progress.
+    /// EnergyLedger a part of the contact in progress.
     fn note_force(&mut self, series: &Series, share: f64, impulse: f64) {
         let p = &series.penetration[..series.count];
-        let mut slope = [0.0; MOST_TERMS];
+        let mut slope = [0.0; MAX_TERMS];
         for n in 1..series.count {
             slope[n - 1] = n as f64 * p[n];
         }

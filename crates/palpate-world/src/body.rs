@@ -7,7 +7,7 @@ use nalgebra::UnitQuaternion;
 use crate::axes::Axes;
 use crate::rigid::{Rotation, Vector3};
 use crate::state::quaternion;
-use crate::{MassTable, MassTableError, NOT_TURNED, Quaternion, Shape, Vector};
+use crate::{IDENTITY, MassTable, MassTableError, Quaternion, Shape, Vector};
 
 /// The object that a device moves through the world. The device measures its position and orientation.
 ///
@@ -178,7 +178,7 @@ impl Body {
             name: name.into(),
             shape,
             position: [0.0; 3],
-            orientation: NOT_TURNED,
+            orientation: IDENTITY,
             motion,
         }
     }
@@ -216,7 +216,7 @@ impl Body {
         let Some(of) = of else {
             return self;
         };
-        if of.centre == [0.0; 3] && of.orientation == NOT_TURNED {
+        if of.centre == [0.0; 3] && of.orientation == IDENTITY {
             return self;
         }
         let (centre, axes) = (Vector3::from(of.centre), rotation(of.orientation));

@@ -8,7 +8,7 @@ use crate::Vector;
 use crate::rigid::Vector3;
 
 /// Maximum number of pieces in which pending forces act before a new command.
-const MOST_PIECES: usize = LARGEST_DELAY + 2;
+const MAX_PIECES: usize = LARGEST_DELAY + 2;
 
 /// Action on a tool over a time interval; vectors are along the world's axes.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +49,7 @@ struct ToTool {
     /// Forces that acted in the last interval between samples.
     passed: [Piece<f64>; 3],
     /// Forces that act before the next command, in time order.
-    coming: [[Piece<f64>; 3]; MOST_PIECES],
+    coming: [[Piece<f64>; 3]; MAX_PIECES],
     governed: [Option<Governed<f64>>; 3],
 }
 
@@ -71,7 +71,7 @@ impl Commands {
         let to_tool = ToTool {
             under_way: [UnderWay::nothing(); 3],
             passed: [NOTHING; 3],
-            coming: [[NOTHING; 3]; MOST_PIECES],
+            coming: [[NOTHING; 3]; MAX_PIECES],
             governed: [None; 3],
         };
         Self {

@@ -19,9 +19,9 @@
 
 use palpate::Range;
 
-use crate::books::Books;
 use crate::commands::Commands;
 use crate::fault::out_of_range;
+use crate::ledger::EnergyLedger;
 use crate::rigid::Vector3;
 use crate::{Vector, WorldError, WorldField, WorldPart};
 
@@ -47,12 +47,12 @@ pub struct WorldGuardParams {
     /// Energy that may be delivered in excess of the balance `[J]`, at least 0. With 0, a contact that has not yet
     /// stored energy could not begin to push.
     pub allowance: f64,
-    /// Additional delay of the forces over the loop's actuation model, in samples, at most [`MOST_LATE`].
+    /// Additional delay of the forces over the loop's actuation model, in samples, at most [`MAX_LATE`].
     pub late: usize,
 }
 
 /// Maximum unmodelled delay of a guard, in samples.
-pub const MOST_LATE: usize = 8;
+pub const MAX_LATE: usize = 8;
 
 impl WorldGuard {
     pub(crate) fn params(&self) -> Option<&WorldGuardParams> {
@@ -89,9 +89,9 @@ impl WorldGuard {
         if let Some(message) = out_of_range(field, params.allowance, Range::NotNegative) {
             fault(field, message);
         }
-        if params.late > MOST_LATE {
+        if params.late > MAX_LATE {
             let late = params.late;
-            let message = format!("guard.late is {late}, and has to be at most {MOST_LATE}");
+            let message = format!("guard.late is {late}, and has to be at most {MAX_LATE}");
             fault(WorldField::GuardLate, message);
         }
         faults
@@ -107,7 +107,7 @@ pub(crate) struct Account {
     /// Initial energy, plus energy that has appeared at first samples since `[J]`.
     there: f64,
     /// Work at the ports for each number of samples of additional delay `[J]`.
-    ports: [f64; MOST_LATE + 1],
+    ports: [f64; MAX_LATE + 1],
     /// Action on each tool in the last intervals by the actuation model, newest first.
     acted: Vec<Both>,
     tools: usize,
@@ -121,7 +121,7 @@ impl Account {
         let kept = guard.params().map_or(0, |params| params.late + 1);
         Self {
             there,
-            ports: [0.0; MOST_LATE + 1],
+            ports: [0.0; MAX_LATE + 1],
             acted: vec![[Vector3::zeros(); 2]; kept * tools],
             tools,
             left: 0.0,
@@ -140,7 +140,11 @@ impl Account {
 
     /// Restarts with the current energy of bodies, contacts and joints, for ledgers that started earlier. The action
     /// in the last interval is also used for the intervals before it. It does not allocate.
-    pub fn begin_at(&mut self, books: &Books, (commands, torque_commands): (&Commands, &Commands)) {
+    pub fn begin_at(
+        &mut self,
+        ledger: &EnergyLedger,
+        (commands, torque_commands): (&Commands, &Commands),
+    ) {
         for (place, acted) in self.acted.iter_mut().enumerate() {
             let tool = place % self.tools;
             *acted = [
@@ -148,10 +152,10 @@ impl Account {
                 torque_commands.passed_or_none(tool),
             ];
         }
-        let bodies: f64 = books.bodies.iter().map(|book| book.kinetic).sum();
-        let contacts: f64 = books.contacts.iter().map(|book| book.stored).sum();
-        let joints: f64 = books.joints.iter().map(|book| book.stored).sum();
-        self.there = bodies + contacts + joints - had(books);
+        let bodies: f64 = ledger.bodies.iter().map(|entry| entry.kinetic).sum();
+        let contacts: f64 = ledger.contacts.iter().map(|entry| entry.stored).sum();
+        let joints: f64 = ledger.joints.iter().map(|entry| entry.stored).sum();
+        self.there = bodies + contacts + joints - had(ledger);
     }
 
     /// Adds energy that appeared in the contacts, at a first sample of a tool or a change of the world `[J]`.
@@ -190,11 +194,11 @@ impl Account {
     pub fn free(
         &self,
         params: &WorldGuardParams,
-        books: &Books,
+        ledger: &EnergyLedger,
         expected: f64,
         period: f64,
     ) -> f64 {
-        let there = self.there + had(books) + params.allowance - expected;
+        let there = self.there + had(ledger) + params.allowance - expected;
         let mut claimed = 0.0;
         let mut least = f64::INFINITY;
         let late = self.acted.chunks_exact(self.tools.max(1));
@@ -213,14 +217,14 @@ impl Account {
 /// `[J]`. It is the work of the bodies' constant forces and of external changes, minus the energy dissipated by
 /// damping and friction. Excluded are the work of a mechanism that lacks an axis and that of a hand that turns a tool
 /// without a torque: a hand that feels no motor cannot receive this energy.
-fn had(books: &Books) -> f64 {
-    let gone = &books.gone;
-    let bodies = books.bodies.iter().chain([&gone.bodies]);
-    let bodies: f64 = bodies.map(|book| book.outside - book.potential).sum();
-    let contacts = books.contacts.iter().chain([&gone.contacts]);
-    let contacts: f64 = contacts.map(|book| book.dissipated).sum();
-    let joints = books.joints.iter().chain([&gone.joints]);
-    let joints: f64 = joints.map(|book| book.dissipated).sum();
+fn had(ledger: &EnergyLedger) -> f64 {
+    let gone = &ledger.gone;
+    let bodies = ledger.bodies.iter().chain([&gone.bodies]);
+    let bodies: f64 = bodies.map(|entry| entry.outside - entry.potential).sum();
+    let contacts = ledger.contacts.iter().chain([&gone.contacts]);
+    let contacts: f64 = contacts.map(|entry| entry.dissipated).sum();
+    let joints = ledger.joints.iter().chain([&gone.joints]);
+    let joints: f64 = joints.map(|entry| entry.dissipated).sum();
     bodies - contacts - joints
 }
 

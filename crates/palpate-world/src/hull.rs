@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::body::rotation;
 use crate::convex::{NoHull, Polygon, coarse_hull, hull, triangles};
-use crate::pairs::MOST_POINTS;
+use crate::pairs::MAX_POINTS;
 use crate::rigid::{Rotation, Vector3};
 use crate::{MassProperties, Mesh, MeshError, Vector};
 
@@ -69,18 +69,18 @@ const SINGLE_PRECISION: f64 = 1e-6;
 
 impl Mesh {
     /// Maximum number of corners of a [`convex`](Self::convex) mesh.
-    pub const MOST_CONVEX_CORNERS: usize = 4096;
+    pub const MAX_CONVEX_CORNERS: usize = 4096;
 
     /// Creates the surface of the convex hull of `points` `[m]`. Points outside by at most 1e-6 of the largest
     /// coordinate are omitted. A [`Hull`] has fewer corners and supports contacts with more shapes.
     ///
     /// # Errors
-    /// The points are coplanar, or the solid has more than [`MOST_CONVEX_CORNERS`](Self::MOST_CONVEX_CORNERS)
+    /// The points are coplanar, or the solid has more than [`MAX_CONVEX_CORNERS`](Self::MAX_CONVEX_CORNERS)
     /// corners.
     pub fn convex(points: &[Vector]) -> Result<Self, HullError> {
         let places = places_of(points)?;
         let size = places.iter().map(Vector3::amax).fold(0.0, f64::max);
-        let most = Self::MOST_CONVEX_CORNERS;
+        let most = Self::MAX_CONVEX_CORNERS;
         let within = SINGLE_PRECISION * size;
         let refused = |reason| HullError::of(reason, most);
         let (corners, faces) = triangles(&places, within, most).map_err(refused)?;
@@ -150,14 +150,14 @@ const NEARLY_A_LINE: f64 = 1e-6;
 
 impl Hull {
     /// Maximum number of corners of a hull.
-    pub const MOST_CORNERS: usize = MOST_POINTS;
+    pub const MAX_CORNERS: usize = MAX_POINTS;
     /// Number of corners of a simplified hull. It leaves contact points of the world for other contacts.
     pub const SIMPLIFIED_CORNERS: usize = 48;
 
     /// Creates the convex hull of `points` `[m]`.
     ///
     /// # Errors
-    /// The points are coplanar, or the solid has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners.
+    /// The points are coplanar, or the solid has more than [`MAX_CORNERS`](Self::MAX_CORNERS) corners.
     pub fn around(points: &[Vector]) -> Result<Self, HullError> {
         Self::within(points, 0.0)
     }
@@ -171,7 +171,7 @@ impl Hull {
     pub fn simplified(points: &[Vector]) -> Result<Self, HullError> {
         Self::of(points, |places| {
             Corners::of_most(places, Self::SIMPLIFIED_CORNERS)
-                .map_err(|why| HullError::of(why, Self::MOST_CORNERS))
+                .map_err(|why| HullError::of(why, Self::MAX_CORNERS))
         })
     }
 
@@ -179,14 +179,14 @@ impl Hull {
     /// `tolerance` `[m]`, at least 0.
     ///
     /// # Errors
-    /// The points are coplanar, the solid has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners, or the
+    /// The points are coplanar, the solid has more than [`MAX_CORNERS`](Self::MAX_CORNERS) corners, or the
     /// tolerance is not such a length.
     pub fn within(points: &[Vector], tolerance: f64) -> Result<Self, HullError> {
         if !(tolerance >= 0.0 && tolerance.is_finite()) {
             return Err(HullError::Within(tolerance));
         }
         Self::of(points, |places| {
-            Corners::around(places, tolerance).map_err(|why| HullError::of(why, Self::MOST_CORNERS))
+            Corners::around(places, tolerance).map_err(|why| HullError::of(why, Self::MAX_CORNERS))
         })
     }
 
@@ -275,7 +275,7 @@ pub(crate) struct Edge {
 impl Corners {
     /// Computes the hull of points. Points outside by at most `within` `[m]` may be omitted.
     pub fn around(points: &[Vector3], within: f64) -> Result<Self, NoHull> {
-        Ok(Self::of_faces(hull(points, within, MOST_POINTS)?))
+        Ok(Self::of_faces(hull(points, within, MAX_POINTS)?))
     }
 
     /// Computes the solid of the `most` furthest protruding points.

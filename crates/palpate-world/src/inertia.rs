@@ -1,6 +1,6 @@
 //! Moments of inertia of homogeneous shapes.
 
-use crate::{NOT_TURNED, Shape, Vector};
+use crate::{IDENTITY, Shape, Vector};
 
 impl Shape {
     /// Returns the moments of inertia along the shape's axes of a homogeneous body of `mass` `[kg]` `[kg m^2]`.
@@ -19,7 +19,7 @@ impl Shape {
             Self::HalfSpace { .. } | Self::Spheres { .. } => None,
             Self::Mesh(ref mesh) => mesh
                 .mass_properties(mass)
-                .filter(|of| of.centre == [0.0; 3] && of.orientation == NOT_TURNED)
+                .filter(|of| of.centre == [0.0; 3] && of.orientation == IDENTITY)
                 .map(|of| of.moments),
             Self::Hull(ref hull) => Self::Mesh(hull.mesh().clone()).moments(mass),
             Self::Box { half_extents } => {

@@ -1,10 +1,10 @@
 //! Integration over one interval: bounded work, with finer steps at changes of contact mode.
 
-use crate::blocks::Blocks;
+use crate::convex_pairs::Blocks;
 use crate::moving::Moving;
-use crate::nearby::{MOST_NEARBY, approach};
+use crate::moving_body::Part;
+use crate::nearby::{MAX_NEARBY, approach};
 use crate::pairs::Point;
-use crate::part::Part;
 use crate::rigid::Vector3;
 use crate::solid::Solid;
 
@@ -74,10 +74,10 @@ impl Effort {
 }
 
 /// Factor on [`SubSteps::most`] for an interval that would otherwise be unstable.
-pub(crate) const MOST_TIMES: u32 = 4;
+pub(crate) const MAX_TIMES: u32 = 4;
 /// Phase of the fastest contact per sub-step above which the integration counts as unstable `[rad]`: half of the
 /// stability limit of Verlet's method, because the frequency is a bound over several contacts.
-const MOST_PHASE: f64 = 1.0;
+const MAX_PHASE: f64 = 1.0;
 /// Maximum of the damping rate times the sub-step plus a quarter of the squared phase. A damper uses the velocity
 /// expected at the end of the sub-step. Let w be the velocity and b the damper's push, both times the sub-step, s the
 /// squared phase, and u the damping rate times the sub-step:
@@ -91,7 +91,7 @@ const MOST_PHASE: f64 = 1.0;
 /// stable up to u = 2.) The velocity at the end is w + b + (b' - b)/2, so the expected velocity w + b has the error m
 /// = (b' - b)/2. If the damper adds the error of the last sub-step, the force error is of third order, and the motion
 /// is stable while 2u + s/4 < 1.
-const MOST_DAMPING: f64 = 0.9;
+const MAX_DAMPING: f64 = 0.9;
 
 /// State that is advanced by sub-steps and restored when a sub-step is repeated.
 pub(crate) trait SubStepped {
@@ -133,13 +133,13 @@ impl Fastest {
     /// Returns whether sub-steps of `h` `[s]` are unstable.
     fn grows(self, h: f64) -> bool {
         let phase = self.frequency * h;
-        phase > MOST_PHASE || self.damping * h + 0.25 * phase * phase > MOST_DAMPING
+        phase > MAX_PHASE || self.damping * h + 0.25 * phase * phase > MAX_DAMPING
     }
 
     /// Returns whether a damper may add the prediction error of the last sub-step.
     fn may_expect(self, h: f64) -> bool {
         let phase = self.frequency * h;
-        2.0 * self.damping * h + 0.25 * phase * phase < MOST_DAMPING
+        2.0 * self.damping * h + 0.25 * phase * phase < MAX_DAMPING
     }
 }
 
@@ -155,7 +155,7 @@ pub(crate) fn advance(
     moving.look_at_all();
     before.nearby.copy_from(&moving.nearby);
     let fastest = fastest(moving, points, h);
-    let mut effort = integrate(moving, before, points, fastest, sub_steps, MOST_TIMES, h);
+    let mut effort = integrate(moving, before, points, fastest, sub_steps, MAX_TIMES, h);
     effort.left_out = moving.take_left_out();
     effort
 }
@@ -341,7 +341,7 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
         most_square = most_square.max(square);
         most_damping = most_damping.max(damping);
     }
-    let mut near = [false; MOST_NEARBY];
+    let mut near = [false; MAX_NEARBY];
     for (near, &number) in near.iter_mut().zip(moving.nearby.numbers()) {
         *near = is_near(number, &points[number]);
     }
@@ -392,7 +392,7 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
 
 #[cfg(test)]
 mod tests {
-    /// Returns the growth of a contact's motion after 4000 sub-steps, by the equations at [`super::MOST_DAMPING`].
+    /// Returns the growth of a contact's motion after 4000 sub-steps, by the equations at [`super::MAX_DAMPING`].
     /// `u` is the damping rate times the sub-step, `s` the squared phase.
     fn growth(u: f64, s: f64) -> f64 {
         let (mut x, mut w, mut b, mut missed) = (1.0_f64, 0.3_f64, -s, 0.0);

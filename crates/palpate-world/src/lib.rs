@@ -6,13 +6,13 @@
 //! contact pushes two bodies apart; the force on a tool is the force that its device exerts on the hand.
 
 mod axes;
-mod blocks;
 mod body;
-mod books;
 mod change;
 mod commands;
 mod contact;
+mod contact_point;
 mod convex;
+mod convex_pairs;
 mod coplanar;
 pub mod engine;
 mod far_side;
@@ -21,27 +21,27 @@ mod guard;
 mod hull;
 mod inertia;
 mod interval;
+mod interval_ledger;
 mod joint;
+mod joint_springs;
 mod law;
-mod link;
+mod ledger;
 mod linkage;
 mod mass_table;
 mod mesh;
 mod method;
 mod moving;
+mod moving_body;
 mod nearby;
 mod observer;
 mod pairs;
 mod params;
-mod part;
-mod passed;
 mod renderer;
 mod rigid;
 mod sample;
 mod shape;
 mod solid;
 mod state;
-mod touch;
 mod tracking;
 mod turning;
 mod turning_observer;
@@ -49,15 +49,15 @@ mod world;
 mod world_field;
 
 pub use body::{Body, Free, Motion, Tool};
-pub use books::{BodyBook, Books, ContactBook, DeviceBook, Gone, JointBook};
 pub use change::Succession;
 pub use contact::{Contact, ContactLaw, Party};
 pub use fault::{LARGEST, LEAST, WorldError, WorldPart, out_of_range};
-pub use guard::{MOST_LATE, WorldGuard, WorldGuardParams};
+pub use guard::{MAX_LATE, WorldGuard, WorldGuardParams};
 pub use hull::{Hull, HullError};
 pub use interval::{Effort, SubSteps};
 pub use joint::{Joint, JointKind, JointLaw};
 pub use law::Mode;
+pub use ledger::{BodyLedger, ContactLedger, Departed, DeviceLedger, EnergyLedger, JointLedger};
 pub use mass_table::{MassTable, MassTableError};
 pub use mesh::{
     DistanceGrid, GridBytesError, GridError, InvalidGrid, InvalidShell, MassProperties, Mesh,
@@ -65,7 +65,7 @@ pub use mesh::{
 };
 pub use method::{BasicParams, CoupledParams, GodObjectParams, VirtualCouplingParams, WorldMethod};
 pub use observer::Prior;
-pub use pairs::{MOST_POINTS, MOST_SHELL_POINTS, Side};
+pub use pairs::{MAX_POINTS, MAX_SHELL_POINTS, Side};
 pub use params::WorldLoop;
 pub use renderer::WorldRenderer;
 pub use sample::{Limited, Output, Sample, WorldFault};
@@ -80,4 +80,4 @@ pub type Vector = [f64; 3];
 pub type Quaternion = [f64; 4];
 
 /// The identity quaternion.
-pub const NOT_TURNED: Quaternion = [1.0, 0.0, 0.0, 0.0];
+pub const IDENTITY: Quaternion = [1.0, 0.0, 0.0, 0.0];

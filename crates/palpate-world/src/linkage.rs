@@ -21,7 +21,7 @@ use std::sync::Arc;
 use crate::Tool;
 use crate::axes::Axes;
 use crate::mass_table::{MassTable, principal};
-use crate::part::Part;
+use crate::moving_body::Part;
 use crate::rigid::{Matrix3, Vector3};
 
 /// A device with a mass table.
@@ -331,7 +331,7 @@ impl Carried {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::part::Drive;
+    use crate::moving_body::Drive;
     use crate::rigid::{Mobility, Rigid, Rotation};
     use crate::{Shape, Vector};
 

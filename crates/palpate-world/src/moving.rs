@@ -1,16 +1,16 @@
 //! A world in motion: poses, contact states, and sums since the interval began.
 
-use crate::blocks::Blocks;
+use crate::contact_point::{Met, Past, Touch};
+use crate::convex_pairs::Blocks;
 use crate::interval::SubStepped;
-use crate::link::Link;
+use crate::joint_springs::Link;
 use crate::linkage::Carried;
 use crate::mesh::Surface;
+use crate::moving_body::{Part, Twist};
 use crate::nearby::{NEARER, Nearby, approached};
 use crate::pairs::Point;
-use crate::part::{Part, Twist};
 use crate::rigid::Vector3;
 use crate::solid::{Nearest, Solid};
-use crate::touch::{Met, Past, Touch};
 
 /// A world in motion.
 #[derive(Clone, Debug)]
@@ -288,11 +288,11 @@ impl SubStepped for Moving {
             }
             let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
             let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
-            touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
+            touch.entry(&relative, tool_of(&self.parts, point, self.tools), half);
             touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
         }
         for link in &mut self.links {
-            link.book(&self.parts, half);
+            link.entry(&self.parts, half);
         }
         for part in self.moving_parts() {
             part.drift(h);
@@ -312,12 +312,12 @@ impl SubStepped for Moving {
             if !self.expects_the_missed {
                 touch.missed = 0.0;
             }
-            touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
+            touch.entry(&relative, tool_of(&self.parts, point, self.tools), half);
             touch.relative = relative;
         }
         for link in &mut self.links {
             link.watch_damping(&self.parts);
-            link.book(&self.parts, half);
+            link.entry(&self.parts, half);
         }
     }
 

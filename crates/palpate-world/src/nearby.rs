@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::pairs::{MOST_POINTS, Point};
-use crate::part::Part;
+use crate::moving_body::Part;
+use crate::pairs::{MAX_POINTS, Point};
 use crate::rigid::Vector3;
 
 /// A cluster of shell points. If the other solid is far from all of them, none is evaluated.
@@ -17,7 +17,7 @@ pub(crate) struct Patch {
 }
 
 /// Maximum number of points of a patch: small enough to evaluate each, large enough for few patches.
-const MOST_OF_A_PATCH: usize = 16;
+const MAX_OF_A_PATCH: usize = 16;
 
 impl Patch {
     /// Divides a shell into patches, given the indices and positions of its points.
@@ -28,7 +28,7 @@ impl Patch {
             for (_, place) in &points {
                 (low, high) = (low.inf(place), high.sup(place));
             }
-            if points.len() > MOST_OF_A_PATCH {
+            if points.len() > MAX_OF_A_PATCH {
                 let along = (high - low).imax();
                 points.sort_by(|one, other| one.1[along].total_cmp(&other.1[along]));
                 let other_half = points.split_off(points.len() / 2);
@@ -62,9 +62,9 @@ pub(crate) struct Nearby {
 }
 
 /// Maximum number of active points in patches: as many as may lie in a plane, plus some beside it.
-const ROOM: usize = MOST_POINTS + MOST_POINTS / 2;
+const ROOM: usize = MAX_POINTS + MAX_POINTS / 2;
 /// Maximum number of active points; an interval iterates over pairs of them.
-pub(crate) const MOST_NEARBY: usize = MOST_POINTS + ROOM;
+pub(crate) const MAX_NEARBY: usize = MAX_POINTS + ROOM;
 
 /// Safety margin of the distance at which a point stays inactive in an interval, in addition to the approach of the
 /// two parts `[m]`: contacts may accelerate a part.
@@ -349,7 +349,7 @@ mod tests {
     #[test]
     fn looking_at_what_is_near_is_as_good_as_looking_at_all() {
         let all = renderer(20);
-        assert!(all.nearby.patches.is_empty() && all.points.len() <= MOST_POINTS);
+        assert!(all.nearby.patches.is_empty() && all.points.len() <= MAX_POINTS);
         let mut near = all.clone();
         let mut patches = Vec::new();
         for fixed in 1..=3 {

@@ -245,7 +245,7 @@ const LIGHTEST: f64 = 0.05;
 const HEAVIEST: f64 = 20.0;
 /// Maximum of the hand damping over mass times the period, and of the stiffness over mass times its square: beyond it
 /// the truncated series is inaccurate.
-const MOST_RATE: f64 = 0.5;
+const MAX_RATE: f64 = 0.5;
 
 /// Observer of a device along one axis.
 #[derive(Clone, Copy, Debug)]
@@ -397,10 +397,10 @@ impl AxisObserver {
         let smoothing: Row = cross.column(0) * (innovation / variance);
         covariance -= gain * seen.transpose();
 
-        let told = from.mobility;
-        let mobility = (before.mobility + update[3]).clamp(told / HEAVIEST, told / LIGHTEST);
-        let damping_rate = (before.damping_rate + update[4]).clamp(0.0, MOST_RATE / h);
-        let spring_rate = (before.spring_rate + update[5]).clamp(0.0, MOST_RATE / (h * h));
+        let model = from.mobility;
+        let mobility = (before.mobility + update[3]).clamp(model / HEAVIEST, model / LIGHTEST);
+        let damping_rate = (before.damping_rate + update[4]).clamp(0.0, MAX_RATE / h);
+        let spring_rate = (before.spring_rate + update[5]).clamp(0.0, MAX_RATE / (h * h));
         let mut covariance = (covariance + covariance.transpose()) * 0.5;
         for state in 0..STATES {
             // Negative only by rounding.
@@ -444,9 +444,9 @@ impl AxisObserver {
             expected: known.under(force, h).travel,
         };
         let mut sensor_noise = self.sensor_noise;
-        let misjudged = sensor_noise.take(&interval, from.measurement_variance);
+        let misclassified = sensor_noise.take(&interval, from.measurement_variance);
         let variance = sensor_noise.variance(from.measurement_variance);
-        if misjudged {
+        if misclassified {
             *self = Self::new(from);
             self.motion.velocity = known.velocity;
             self.covariance[(0, 0)] = variance;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::blocks::Blocks;
 use crate::convex::NoHull;
+use crate::convex_pairs::Blocks;
 use crate::hull::Corners;
 use crate::law::PointLaw;
 use crate::mesh::{POINTS_PER_MESH, Surface};
@@ -12,12 +12,12 @@ use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::solid::Solid;
 use crate::{Mesh, Motion, PointShell, Shape, World, WorldError, WorldField, WorldPart};
 
-/// Maximum number of contact points of a world, without those of [large](PointShell::MOST_ALWAYS) shells. A tick
+/// Maximum number of contact points of a world, without those of [large](PointShell::MAX_ALWAYS) shells. A tick
 /// evaluates all of them in every sub-step. It also evaluates up to the same number of near points of large shells.
-pub const MOST_POINTS: usize = 64;
+pub const MAX_POINTS: usize = 64;
 
 /// Maximum number of contact points of large shells in a world. A tick visits all of them a few times.
-pub const MOST_SHELL_POINTS: usize = 4096;
+pub const MAX_SHELL_POINTS: usize = 4096;
 
 /// One side of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -214,7 +214,7 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
             });
             match found {
                 Some((first, second, Ok((spheres, solid)))) => {
-                    if spheres.len() > PointShell::MOST_ALWAYS {
+                    if spheres.len() > PointShell::MAX_ALWAYS {
                         let numbered = (points.len()..).zip(spheres.iter().map(|sphere| sphere.centre));
                         patches.extend(Patch::of(numbered.collect()));
                         in_patches += spheres.len();
@@ -256,8 +256,8 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
             ));
         }
     };
-    at_most(points.len() - in_patches, "", MOST_POINTS);
-    at_most(in_patches, " of large shells", MOST_SHELL_POINTS);
+    at_most(points.len() - in_patches, "", MAX_POINTS);
+    at_most(in_patches, " of large shells", MAX_SHELL_POINTS);
     for point in &mut points {
         let far = point.centre.norm() + point.radius;
         let of_solid = point.solid.reach();
@@ -300,7 +300,7 @@ struct Touching {
 fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> WorldError {
     let why = match reason {
         NoHull::TooMany => format!(
-            "the convex hull around it has more than {MOST_POINTS} corners, and it touches a half-space by these; give it \
+            "the convex hull around it has more than {MAX_POINTS} corners, and it touches a half-space by these; give it \
              a shell of points (`shell = {{ points = 60 }}` in its mesh), make it a hull (`hull` in place of `mesh`), or leave the \
              pair without a law"
         ),

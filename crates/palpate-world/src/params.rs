@@ -130,19 +130,19 @@ impl WorldLoop {
         let SubSteps {
             least, most, finer, ..
         } = self.sub_steps;
-        if !(1 <= least && least <= most && most <= MOST_SUB_STEPS) {
+        if !(1 <= least && least <= most && most <= MAX_SUB_STEPS) {
             fault(
                 WorldField::SubSteps,
                 format!(
-                    "sub_steps are {least} to {most}; they have to be at least 1 and at most {MOST_SUB_STEPS}, in \
+                    "sub_steps are {least} to {most}; they have to be at least 1 and at most {MAX_SUB_STEPS}, in \
                      this order"
                 ),
             );
         }
-        if !(1..=MOST_SUB_STEPS).contains(&finer) {
+        if !(1..=MAX_SUB_STEPS).contains(&finer) {
             fault(
                 WorldField::SubSteps,
-                format!("finer is {finer}, and has to be 1 to {MOST_SUB_STEPS}"),
+                format!("finer is {finer}, and has to be 1 to {MAX_SUB_STEPS}"),
             );
         }
         faults.extend(self.guard.faults());
@@ -163,4 +163,4 @@ impl WorldLoop {
 }
 
 /// Maximum number of sub-steps that can be requested.
-const MOST_SUB_STEPS: u32 = 1 << 16;
+const MAX_SUB_STEPS: u32 = 1 << 16;

@@ -4,21 +4,23 @@ use nalgebra::UnitQuaternion;
 use palpate::Fault;
 
 use crate::axes::Axes;
-use crate::blocks::Blocks;
-use crate::books::{BodyBook, Books, ContactBook, CreatedAtPorts, DeviceBook, Gone, JointBook};
 use crate::commands::Commands;
+use crate::contact_point::Touch;
+use crate::convex_pairs::Blocks;
 use crate::far_side::Entry;
 use crate::guard::{Account, most_of};
-use crate::link::{Link, links_of};
+use crate::joint_springs::{Link, links_of};
+use crate::ledger::{
+    BodyLedger, ContactLedger, CreatedAtPorts, Departed, DeviceLedger, EnergyLedger, JointLedger,
+};
 use crate::mesh::Surface;
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::moving::Moving;
+use crate::moving_body::{Drive, Part};
 use crate::nearby::Nearby;
 use crate::pairs::{Point, Side, points};
-use crate::part::{Drive, Part};
 use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::state::{ContactState, Progress, ToolState, WorldState, body_state};
-use crate::touch::Touch;
 use crate::tracking::Tracking;
 use crate::{
     Body, Effort, Limited, Motion, Output, Sample, Tool, Vector, World, WorldError, WorldFault,
@@ -29,7 +31,7 @@ use crate::{
 /// serves any number of [`WorldState`]s.
 #[derive(Clone, Debug)]
 pub struct WorldRenderer {
-    pub(crate) in_loop: WorldLoop,
+    pub(crate) loop_params: WorldLoop,
     pub(crate) points: Vec<Point>,
     pub(crate) nearby: Nearby,
     pub(crate) tools: usize,
@@ -57,7 +59,7 @@ impl WorldRenderer {
     /// Returns all faults of the world, or otherwise those of its pairs, the loop and the method (at least one).
     pub fn new(
         world: &World,
-        in_loop: WorldLoop,
+        loop_params: WorldLoop,
         method: impl Into<WorldMethod>,
     ) -> Result<Self, Vec<WorldError>> {
         world.check()?;
@@ -86,7 +88,7 @@ impl WorldRenderer {
             .collect();
         parts.extend(world.bodies.iter().map(part_of));
         let mut mobilities: Vec<_> = parts.iter().map(|part| part.mobility).collect();
-        faults.extend(in_loop.faults(tools));
+        faults.extend(loop_params.faults(tools));
         let described = method.into();
         let method = described.clone().check(&world.tools);
         if let Ok(method) = &method {
@@ -108,7 +110,7 @@ impl WorldRenderer {
             point.is_held = method.holds_contacts() && point.tool(tools).is_some();
         }
         Ok(Self {
-            in_loop,
+            loop_params,
             points: found.points,
             nearby: found.nearby,
             tools,
@@ -127,8 +129,8 @@ impl WorldRenderer {
 
     /// Returns the loop parameters.
     #[must_use]
-    pub fn in_loop(&self) -> &WorldLoop {
-        &self.in_loop
+    pub fn loop_params(&self) -> &WorldLoop {
+        &self.loop_params
     }
 
     /// Returns the name of a tool or body.
@@ -176,8 +178,16 @@ impl WorldRenderer {
             ahead: now.clone(),
             room: now.clone(),
             tracking: Tracking::new(&self.turns),
-            commands: Commands::new(self.tools, &self.in_loop.actuation, self.in_loop.period),
-            torque_commands: Commands::new(turning, &self.in_loop.actuation, self.in_loop.period),
+            commands: Commands::new(
+                self.tools,
+                &self.loop_params.actuation,
+                self.loop_params.period,
+            ),
+            torque_commands: Commands::new(
+                turning,
+                &self.loop_params.actuation,
+                self.loop_params.period,
+            ),
             intended: vec![Vector3::zeros(); self.tools],
             intended_torques: vec![Vector3::zeros(); self.tools],
             forces: vec![[0.0; 3]; self.tools],
@@ -187,25 +197,25 @@ impl WorldRenderer {
             contacts: contacts.collect(),
             sides: vec![Entry::default(); self.points.len()],
             at_ports: CreatedAtPorts::none(self.points.len()),
-            books: Books {
-                contacts: vec![ContactBook::default(); self.points.len()],
+            ledger: EnergyLedger {
+                contacts: vec![ContactLedger::default(); self.points.len()],
                 bodies: bodies
                     .iter()
-                    .map(|part| BodyBook {
+                    .map(|part| BodyLedger {
                         kinetic: part.mobility.kinetic_energy(&part.rigid),
-                        ..BodyBook::default()
+                        ..BodyLedger::default()
                     })
                     .collect(),
                 joints: self.joints_at_start(),
-                devices: vec![DeviceBook::default(); self.tools],
-                gone: Gone::default(),
+                devices: vec![DeviceLedger::default(); self.tools],
+                gone: Departed::default(),
             },
-            guard: Account::new(&self.in_loop.guard, self.tools, 0.0),
+            guard: Account::new(&self.loop_params.guard, self.tools, 0.0),
             now,
         };
-        let books = &progress.books;
-        let bodies: f64 = books.bodies.iter().map(|book| book.kinetic).sum();
-        let joints: f64 = books.joints.iter().map(|book| book.stored).sum();
+        let ledger = &progress.ledger;
+        let bodies: f64 = ledger.bodies.iter().map(|entry| entry.kinetic).sum();
+        let joints: f64 = ledger.joints.iter().map(|entry| entry.stored).sum();
         progress.guard.appeared(bodies + joints);
         let memory = self.method.memory(self);
         self.publish(&mut progress, &memory);
@@ -223,14 +233,14 @@ impl WorldRenderer {
     }
 
     /// Returns the initial ledgers of the joints, whose springs may be stretched.
-    fn joints_at_start(&self) -> Vec<JointBook> {
-        let mut books = vec![JointBook::default(); self.joints];
+    fn joints_at_start(&self) -> Vec<JointLedger> {
+        let mut ledger = vec![JointLedger::default(); self.joints];
         let mut parts = self.parts.clone();
         for mut link in self.links.iter().copied() {
             link.meet(&mut parts);
-            books[link.joint].stored += link.stored;
+            ledger[link.joint].stored += link.stored;
         }
-        books
+        ledger
     }
 
     /// Replaces the last output on a tool by the force that was actually sent `[N]`, for example after saturation.
@@ -265,8 +275,8 @@ impl WorldRenderer {
     /// and momentum from the last used sample.
     pub fn step<'s>(&self, state: &'s mut WorldState, sample: &Sample<'_>) -> Output<'s> {
         let WorldState { progress, memory } = state;
-        let elapsed = progress.tracking.believe(sample, &self.in_loop);
-        let duration = *elapsed.as_ref().unwrap_or(&self.in_loop.period);
+        let elapsed = progress.tracking.believe(sample, &self.loop_params);
+        let duration = *elapsed.as_ref().unwrap_or(&self.loop_params.period);
         progress.commands.pass(duration);
         progress.torque_commands.pass(duration);
         self.account(progress, elapsed.is_ok());
@@ -322,9 +332,9 @@ impl WorldRenderer {
             }
         } else {
             state.now.forget_sides();
-            let before = state.books.observed();
+            let before = state.ledger.observed();
             self.method.begin(self, state, memory, positions);
-            state.guard.appeared(state.books.observed() - before);
+            state.guard.appeared(state.ledger.observed() - before);
         }
         state.tracking.trust();
         *effort = effort.and(self.plan(state, memory));
@@ -333,8 +343,11 @@ impl WorldRenderer {
             self.put_back(state);
             return Err(overflow);
         }
-        let limits = (&self.in_loop.force_limits, &self.in_loop.torque_limits);
-        let gain = self.in_loop.actuation.limit_gain();
+        let limits = (
+            &self.loop_params.force_limits,
+            &self.loop_params.torque_limits,
+        );
+        let gain = self.loop_params.actuation.limit_gain();
         limited.force = limit(&state.intended, &mut state.forces, limits.0, gain);
         limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1, gain);
         limited.guard = self.guard(state);
@@ -363,7 +376,7 @@ impl WorldRenderer {
 
     /// Updates the guard for an interval that has ended, with an accepted or rejected sample.
     fn account(&self, state: &mut Progress, is_believed: bool) {
-        let Some(params) = self.in_loop.guard.params() else {
+        let Some(params) = self.loop_params.guard.params() else {
             return;
         };
         let is_known = is_believed && state.tracking.in_progress;
@@ -372,26 +385,26 @@ impl WorldRenderer {
         let commands = (&state.commands, &state.torque_commands);
         state
             .guard
-            .pass(params, commands, moved, self.in_loop.period);
+            .pass(params, commands, moved, self.loop_params.period);
     }
 
     /// Limits forces and torques to the guard's bound, if it is set to limit. Returns whether they exceeded it.
     fn guard(&self, state: &mut Progress) -> bool {
-        let Some(params) = self.in_loop.guard.params() else {
+        let Some(params) = self.loop_params.guard.params() else {
             return false;
         };
-        let period = self.in_loop.period;
+        let period = self.loop_params.period;
         let expected: f64 = (0..self.tools)
             .map(|tool| {
                 state.commands.impulse_to_come(tool) * params.largest_speed
                     + state.torque_commands.impulse_to_come(tool) * params.largest_turning
             })
             .sum();
-        let free = state.guard.free(params, &state.books, expected, period);
+        let free = state.guard.free(params, &state.ledger, expected, period);
         state.guard.left = free;
         let power = most_of(params, &state.forces, &state.torques);
         let kept = self.kept(state, power);
-        if let Some(kept) = kept.filter(|_| self.in_loop.guard.limits()) {
+        if let Some(kept) = kept.filter(|_| self.loop_params.guard.limits()) {
             for vector in state.forces.iter_mut().chain(&mut state.torques) {
                 *vector = vector.map(|x| x * kept + 0.0);
             }
@@ -401,7 +414,7 @@ impl WorldRenderer {
 
     /// Returns the fraction that the guard allows of an action with this power `[W]`, if it exceeds the bound.
     fn kept(&self, state: &Progress, power: f64) -> Option<f64> {
-        let asked = power * state.commands.gain() * self.in_loop.period;
+        let asked = power * state.commands.gain() * self.loop_params.period;
         // If it exceeds the bound, `asked` is above 0.
         (asked > state.guard.left).then(|| state.guard.left / asked)
     }
@@ -417,18 +430,18 @@ impl WorldRenderer {
     ) -> Limited {
         let state = &state.progress;
         let mut limited = Limited::default();
-        let guard = self.in_loop.guard.params();
-        let gain = self.in_loop.actuation.limit_gain();
+        let guard = self.loop_params.guard.params();
+        let gain = self.loop_params.actuation.limit_gain();
         let mut power = 0.0;
         for (tool, held) in held.iter_mut().enumerate() {
             let [force, torque] = parts(held);
-            limited.force |= shorten(force, self.in_loop.force_limits.get(tool), gain);
-            limited.torque |= shorten(torque, self.in_loop.torque_limits.get(tool), gain);
+            limited.force |= shorten(force, self.loop_params.force_limits.get(tool), gain);
+            limited.torque |= shorten(torque, self.loop_params.torque_limits.get(tool), gain);
             power += guard.map_or(0.0, |params| most_of(params, &[*force], &[*torque]));
         }
         let kept = guard.and_then(|_| self.kept(state, power));
         limited.guard = kept.is_some();
-        if let Some(kept) = kept.filter(|_| self.in_loop.guard.limits()) {
+        if let Some(kept) = kept.filter(|_| self.loop_params.guard.limits()) {
             for vector in held.iter_mut().flat_map(parts) {
                 *vector = vector.map(|x| x * kept + 0.0);
             }
@@ -472,22 +485,25 @@ impl WorldRenderer {
             *touch = Touch::apart();
         }
         state.now.forget_sides();
-        for (part, book) in self.parts[self.tools..].iter().zip(&mut state.books.bodies) {
+        for (part, entry) in self.parts[self.tools..]
+            .iter()
+            .zip(&mut state.ledger.bodies)
+        {
             let kinetic = part.mobility.kinetic_energy(&part.rigid);
-            book.outside += kinetic - book.kinetic;
-            book.kinetic = kinetic;
+            entry.outside += kinetic - entry.kinetic;
+            entry.kinetic = kinetic;
         }
-        for book in &mut state.books.contacts {
-            book.observed -= book.stored;
-            state.guard.appeared(-book.stored);
-            book.stored = 0.0;
+        for entry in &mut state.ledger.contacts {
+            entry.observed -= entry.stored;
+            state.guard.appeared(-entry.stored);
+            entry.stored = 0.0;
         }
-        for (number, book) in state.books.joints.iter_mut().enumerate() {
+        for (number, entry) in state.ledger.joints.iter_mut().enumerate() {
             let links = state.now.links.iter().filter(|link| link.joint == number);
             let stored: f64 = links.map(|link| link.stored).sum();
-            book.outside += stored - book.stored;
-            state.guard.appeared(stored - book.stored);
-            book.stored = stored;
+            entry.outside += stored - entry.stored;
+            state.guard.appeared(stored - entry.stored);
+            entry.stored = stored;
         }
     }
 

@@ -1,17 +1,17 @@
 //! State of a world between samples, and its readable part.
 
-use crate::books::{Books, ContactBook, CreatedAtPorts};
 use crate::commands::Commands;
 use crate::far_side::Entry;
 use crate::guard::Account;
 use crate::law::Mode;
+use crate::ledger::{ContactLedger, CreatedAtPorts, EnergyLedger};
 use crate::method::Memory;
 use crate::moving::Moving;
+use crate::moving_body::Part;
 use crate::pairs::Side;
-use crate::part::Part;
 use crate::rigid::{Rigid, Rotation, Vector3};
 use crate::tracking::Tracking;
-use crate::{NOT_TURNED, Quaternion, Vector};
+use crate::{IDENTITY, Quaternion, Vector};
 
 /// State of a world at a sample, created by [`WorldRenderer::start`](crate::WorldRenderer::start) and advanced by
 /// [`WorldRenderer::step`](crate::WorldRenderer::step).
@@ -45,7 +45,7 @@ pub(crate) struct Progress {
     pub contacts: Vec<ContactState>,
     /// Side tracking of each contact.
     pub sides: Vec<Entry>,
-    pub books: Books,
+    pub ledger: EnergyLedger,
     pub at_ports: CreatedAtPorts,
     pub guard: Account,
 }
@@ -60,14 +60,14 @@ impl Progress {
                 .min(torque_commands.part_sent(tool)),
             Side::Body(_) => 1.0,
         };
-        let contacts = self.books.contacts.iter().zip(&self.contacts);
-        let contacts = contacts.map(|(book, contact)| {
+        let contacts = self.ledger.contacts.iter().zip(&self.contacts);
+        let contacts = contacts.map(|(entry, contact)| {
             let [first, second] = &contact.between;
-            (ContactBook::created(book), part(first).min(part(second)))
+            (ContactLedger::created(entry), part(first).min(part(second)))
         });
-        let otherwise = (self.books.created_otherwise(), 1.0);
+        let otherwise = (self.ledger.created_otherwise(), 1.0);
         self.at_ports
-            .close(contacts, self.books.at_ports(), otherwise);
+            .close(contacts, self.ledger.at_ports(), otherwise);
     }
 }
 
@@ -121,7 +121,7 @@ impl WorldState {
         through.map(|(contact, _)| contact.between)
     }
 
-    /// Returns the energy generated at the ports of the devices `[J]`: [`Books::created`], weighted for each contact
+    /// Returns the energy generated at the ports of the devices `[J]`: [`EnergyLedger::created`], weighted for each contact
     /// by the fraction of its force that reached the device after limiting. A hand that presses against a limited
     /// force therefore generates no energy, and neither does a body pushed by a larger force than the hand feels.
     #[must_use]
@@ -131,8 +131,8 @@ impl WorldState {
 
     /// Returns the energy ledger as of the last sample.
     #[must_use]
-    pub fn books(&self) -> &Books {
-        &self.progress.books
+    pub fn ledger(&self) -> &EnergyLedger {
+        &self.progress.ledger
     }
 }
 
@@ -144,9 +144,9 @@ pub struct ToolState {
     /// Velocity of its device `[m/s]`.
     pub velocity: Vector,
     /// Position of the proxy, with which the world collides instead of the device `[m]`.
-    pub avatar_position: Vector,
+    pub proxy_position: Vector,
     /// Velocity of the proxy `[m/s]`.
-    pub avatar_velocity: Vector,
+    pub proxy_velocity: Vector,
     /// Position of the proxy minus that of the device `[m]`.
     pub offset: Vector,
     /// Velocity of the proxy minus that of the device `[m/s]`.
@@ -160,7 +160,7 @@ pub struct ToolState {
     /// Angular velocity of its device along the world's axes `[rad/s]`.
     pub angular_velocity: Vector,
     /// Orientation of the proxy.
-    pub avatar_orientation: Quaternion,
+    pub proxy_orientation: Quaternion,
     /// Rotation vector along the world's axes from the device to the proxy `[rad]`.
     pub turn_offset: Vector,
     /// Angular momentum of the proxy minus that of the device `[N m s]`.
@@ -178,15 +178,15 @@ impl Default for ToolState {
         Self {
             position: none,
             velocity: none,
-            avatar_position: none,
-            avatar_velocity: none,
+            proxy_position: none,
+            proxy_velocity: none,
             offset: none,
             velocity_offset: none,
             force: none,
             mass: None,
-            orientation: NOT_TURNED,
+            orientation: IDENTITY,
             angular_velocity: none,
-            avatar_orientation: NOT_TURNED,
+            proxy_orientation: IDENTITY,
             turn_offset: none,
             momentum_offset: none,
             torque: none,

@@ -51,9 +51,13 @@ impl Tracking {
 
     /// Returns the time since the previous sample `[s]` if the sample is accepted. A jump in position is accepted if
     /// the next sample confirms it.
-    pub fn believe(&mut self, sample: &Sample<'_>, in_loop: &WorldLoop) -> Result<f64, WorldFault> {
-        let elapsed = self.elapsed(sample, in_loop);
-        let duration = *elapsed.as_ref().unwrap_or(&in_loop.period);
+    pub fn believe(
+        &mut self,
+        sample: &Sample<'_>,
+        loop_params: &WorldLoop,
+    ) -> Result<f64, WorldFault> {
+        let elapsed = self.elapsed(sample, loop_params);
+        let duration = *elapsed.as_ref().unwrap_or(&loop_params.period);
         self.since += duration;
         let was_seen = self.is_seen;
         self.is_seen = false;
@@ -88,14 +92,14 @@ impl Tracking {
             turned.unwrap_or_else(Rotation::identity)
         };
         let goes_too_fast = |from: &[Vector], time: f64| {
-            let limit = in_loop.speed_limit?;
+            let limit = loop_params.speed_limit?;
             let mut pairs = from.iter().zip(sample.positions);
             pairs.position(|(from, to)| {
                 (Vector3::from(*to) - Vector3::from(*from)).norm() > limit * time
             })
         };
         let turns_too_fast = |from: &[Rotation], time: f64| {
-            let limit = in_loop.turning_limit?;
+            let limit = loop_params.turning_limit?;
             let mut each = from.iter().enumerate();
             each.position(|(tool, from)| from.angle_to(&turn_of(tool)) > limit * time)
         };
@@ -106,7 +110,7 @@ impl Tracking {
             None
         };
         // A tool with a nearly constant angular velocity really rotates, at any speed.
-        let kept_within = SPIN_KEPT_WITHIN * in_loop.turning_limit.unwrap_or(f64::INFINITY);
+        let kept_within = SPIN_KEPT_WITHIN * loop_params.turning_limit.unwrap_or(f64::INFINITY);
         let mut spins_on = true;
         for (tool, (spin, seen)) in self.spin.iter_mut().zip(&self.seen_turn).enumerate() {
             let now = (turn_of(tool) * seen.inverse()).scaled_axis() / duration;
@@ -176,18 +180,18 @@ impl Tracking {
         self.in_progress = true;
     }
 
-    fn elapsed(&self, sample: &Sample<'_>, in_loop: &WorldLoop) -> Result<f64, Fault> {
+    fn elapsed(&self, sample: &Sample<'_>, loop_params: &WorldLoop) -> Result<f64, Fault> {
         let Some(elapsed) = sample.elapsed else {
-            return Ok(in_loop.period);
+            return Ok(loop_params.period);
         };
         if !(elapsed > 0.0 && elapsed.is_finite()) {
             return Err(Fault::ElapsedNotPositive);
         }
-        if elapsed > in_loop.bridged_gap() {
+        if elapsed > loop_params.bridged_gap() {
             return Err(Fault::GapTooLong);
         }
-        if (elapsed / in_loop.period - 1.0).abs() < NOMINAL_WITHIN {
-            Ok(in_loop.period)
+        if (elapsed / loop_params.period - 1.0).abs() < NOMINAL_WITHIN {
+            Ok(loop_params.period)
         } else {
             Ok(elapsed)
         }

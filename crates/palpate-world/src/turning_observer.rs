@@ -238,7 +238,7 @@ const LIGHTEST: f64 = 0.05;
 /// Maximum of the estimated inertia, relative to its model value.
 const HEAVIEST: f64 = 20.0;
 /// Maximum of the hand damping over inertia, times the period.
-const MOST_RATE: f64 = 0.5;
+const MAX_RATE: f64 = 0.5;
 
 /// Observer of the rotation of a device.
 #[derive(Clone, Copy, Debug)]
@@ -333,7 +333,7 @@ impl TurningObserver {
         }
         let part = |column: &Column, row: usize| -> Vector3 { column.fixed_rows::<3>(row).into() };
         let mobility = (before.mobility + update[SIGMA]).clamp(1.0 / HEAVIEST, 1.0 / LIGHTEST);
-        let damping_rate = (before.damping_rate + update[LAMBDA]).clamp(0.0, MOST_RATE / h);
+        let damping_rate = (before.damping_rate + update[LAMBDA]).clamp(0.0, MAX_RATE / h);
         let with = |motion: &TurningMotion, column: &Column| TurningMotion {
             orientation: rotated(&part(column, 0), &motion.orientation),
             momentum: motion.momentum + part(column, 3),
@@ -439,10 +439,10 @@ mod tests {
             let (more, less) = (end(step), end(-step));
             for row in 0..3 {
                 let slope = (more[row] - less[row]) / (2.0 * step);
-                let told: Vector3 = transition.fixed_view::<3, 1>(3 * row, state).into();
+                let model: Vector3 = transition.fixed_view::<3, 1>(3 * row, state).into();
                 // Relative to the effect of a typical state error on a typical value.
-                let off = (slope - told).norm() * sizes[kind] / sizes[row];
-                assert!(off < 2e-3, "{row} {state}: {slope:?} {told:?} {off}");
+                let off = (slope - model).norm() * sizes[kind] / sizes[row];
+                assert!(off < 2e-3, "{row} {state}: {slope:?} {model:?} {off}");
             }
         }
     }
@@ -451,8 +451,8 @@ mod tests {
     /// inertia.
     #[test]
     fn inertia_is_learned_from_torques() {
-        let told = MOMENTS * 1.6;
-        let from = TurningPrior::new(told, 1e-5, Prior::default());
+        let model = MOMENTS * 1.6;
+        let from = TurningPrior::new(model, 1e-5, Prior::default());
         let mut real = TurningMotion::start(Rotation::identity());
         let mut observer = TurningObserver::new(&from, real.orientation);
         for sample in 0..3000_u32 {
@@ -473,7 +473,7 @@ mod tests {
         }
         let found = observer.motion;
         assert!((found.mobility / 1.6 - 1.0).abs() < 0.05, "{found:?}");
-        let off = found.turning(&told) - real.turning(&MOMENTS);
+        let off = found.turning(&model) - real.turning(&MOMENTS);
         assert!(
             off.norm() < 0.05 * real.turning(&MOMENTS).norm().max(1.0),
             "{off:?}"

@@ -30,7 +30,7 @@ const LENGTH_TOLERANCE: f64 = 1e-6;
 /// Relative excess of a moment of inertia over the sum of the other two that is tolerated, for rounded numbers.
 const MOMENT_SLACK: f64 = 1e-3;
 /// Maximum position of the stops of a hinge `[rad]`: its angle is known within half a turn in either direction.
-const MOST_TURN: f64 = 3.0;
+const MAX_TURN: f64 = 3.0;
 
 impl World {
     /// Returns the law between the tools or bodies of these names, if they touch.
@@ -89,12 +89,12 @@ impl World {
                 of.fault(WorldField::GivesTorque, message.into());
             }
             if let Some(off) = tool.own_axes.map(off_right_angles)
-                && off > MOST_OFF_RIGHT_ANGLES
+                && off > MAX_OFF_RIGHT_ANGLES
             {
                 of.fault(
                     WorldField::OwnAxes,
                     format!(
-                        "own_axes are {:?}, off unit vectors at right angles by {off:e}; at most {MOST_OFF_RIGHT_ANGLES:e} is allowed",
+                        "own_axes are {:?}, off unit vectors at right angles by {off:e}; at most {MAX_OFF_RIGHT_ANGLES:e} is allowed",
                         tool.own_axes.unwrap_or_default()
                     ),
                 );
@@ -335,9 +335,9 @@ impl<'a> Faults<'a> {
                 let message = format!("limits are {low} and {high}: the first is the lower one");
                 self.fault(WorldField::Limits, message);
             }
-            if joint.kind == JointKind::Hinge && (low < -MOST_TURN || high > MOST_TURN) {
+            if joint.kind == JointKind::Hinge && (low < -MAX_TURN || high > MAX_TURN) {
                 let message = format!(
-                    "limits are {low} and {high}, and a hinge has stops between -{MOST_TURN} and {MOST_TURN} rad"
+                    "limits are {low} and {high}, and a hinge has stops between -{MAX_TURN} and {MAX_TURN} rad"
                 );
                 self.fault(WorldField::Limits, message);
             }
@@ -430,7 +430,7 @@ impl<'a> Faults<'a> {
 }
 
 /// Allowed deviation of a device's axes from orthogonal unit vectors.
-const MOST_OFF_RIGHT_ANGLES: f64 = 1e-9;
+const MAX_OFF_RIGHT_ANGLES: f64 = 1e-9;
 
 /// Returns the largest deviation of the axes' dot products from those of orthogonal unit vectors; infinite for
 /// non-finite axes.

@@ -139,12 +139,12 @@ impl<S: Scalar> Actuation<S> {
         let most = S::from_f64(LARGEST_DELAY as f64 + WHOLE_WITHIN);
         let known = periods >= S::ZERO && periods <= most;
         // With an invalid period, the number of periods is meaningless.
-        let judged = period.is_finite() && period > S::ZERO;
+        let evaluated = period.is_finite() && period > S::ZERO;
         let not_negative = |parameter: Parameter, value: S| parameter.not_negative(value).err();
         [
             Parameter::Delay
                 .unless(
-                    known || !judged,
+                    known || !evaluated,
                     periods,
                     Allowed::UpToSamples(LARGEST_DELAY),
                 )

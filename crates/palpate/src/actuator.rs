@@ -52,7 +52,7 @@ struct Sent<S> {
 #[derive(Clone, Copy, Debug)]
 pub struct UnderWay<S> {
     /// Ring buffer, from the newest command to the oldest.
-    commands: [Sent<S>; MOST_COMMANDS],
+    commands: [Sent<S>; MAX_COMMANDS],
     newest: u8,
     /// Force on the device at the last sample `[N]`; used with a lag.
     felt: Command<S>,
@@ -67,10 +67,10 @@ const AT_REST: f64 = 0.3;
 const TIMING_AT_REST: f64 = 0.1;
 
 /// Maximum number of commands that act in one interval or have yet to act.
-const MOST_COMMANDS: usize = LARGEST_DELAY + 2;
+const MAX_COMMANDS: usize = LARGEST_DELAY + 2;
 
 #[expect(clippy::cast_possible_truncation, reason = "9")]
-const LAST_COMMAND: u8 = (MOST_COMMANDS - 1) as u8;
+const LAST_COMMAND: u8 = (MAX_COMMANDS - 1) as u8;
 
 /// A time interval, and the force on the device in it.
 #[derive(Clone, Copy, Debug)]
@@ -240,7 +240,7 @@ fn is_whole<S: Scalar>(delay: S, period: S) -> bool {
 struct Schedule<S> {
     /// Start time of each command after the interval's beginning `[s]`, the command, and its change of the previous
     /// command; the last to begin first.
-    begun: [(S, Command<S>, S); MOST_COMMANDS],
+    begun: [(S, Command<S>, S); MAX_COMMANDS],
     count: usize,
 }
 
@@ -292,7 +292,7 @@ impl<S: Scalar> UnderWay<S> {
     #[must_use]
     pub fn nothing() -> Self {
         Self {
-            commands: [Sent::default(); MOST_COMMANDS],
+            commands: [Sent::default(); MAX_COMMANDS],
             newest: 0,
             felt: Command::default(),
             felt_by_model: S::ZERO,
@@ -361,12 +361,12 @@ impl<S: Scalar> UnderWay<S> {
     /// Returns the commands that act in the `h` `[s]` that begin `since` `[s]` after the newest command's sample.
     fn schedule(&self, actuator: &Actuator<S>, since: S, h: S) -> Schedule<S> {
         let mut schedule = Schedule {
-            begun: [(S::ZERO, Command::default(), S::ZERO); MOST_COMMANDS],
+            begun: [(S::ZERO, Command::default(), S::ZERO); MAX_COMMANDS],
             count: 0,
         };
         let within = S::from_f64(WHOLE_WITHIN) * actuator.period;
         let mut age = since;
-        for place in 0..MOST_COMMANDS {
+        for place in 0..MAX_COMMANDS {
             let command = self.aged(place).command;
             let begins = actuator.delay - age;
             let step = || command.sent - self.aged(place + 1).command.sent;
@@ -412,8 +412,8 @@ impl<S: Scalar> UnderWay<S> {
     /// Returns the command that is `age` samples older than the newest.
     #[inline]
     fn aged(&self, age: usize) -> Sent<S> {
-        let place = usize::from(self.newest) + age.min(MOST_COMMANDS - 1);
-        let place = place.checked_sub(MOST_COMMANDS).unwrap_or(place);
+        let place = usize::from(self.newest) + age.min(MAX_COMMANDS - 1);
+        let place = place.checked_sub(MAX_COMMANDS).unwrap_or(place);
         self.commands.get(place).copied().unwrap_or_default()
     }
 }
@@ -470,7 +470,7 @@ impl<'a, S: Scalar> Ahead<'a, S> {
                     continue;
                 }
                 let mut alone = Schedule {
-                    begun: [(S::ZERO, Command::default(), S::ZERO); MOST_COMMANDS],
+                    begun: [(S::ZERO, Command::default(), S::ZERO); MAX_COMMANDS],
                     count: 0,
                 };
                 alone.add(S::ZERO, part.command, part.step);
@@ -499,7 +499,7 @@ impl<'a, S: Scalar> Ahead<'a, S> {
             };
             // It is the last to begin.
             let mut with_own = Schedule {
-                begun: [(S::ZERO, Command::default(), S::ZERO); MOST_COMMANDS],
+                begun: [(S::ZERO, Command::default(), S::ZERO); MAX_COMMANDS],
                 count: 0,
             };
             with_own.add(actuator.delay, command, S::ZERO);

@@ -15,7 +15,7 @@ pub struct Leak<S> {
 }
 
 impl<S: Scalar> Leak<S> {
-    fn book(&mut self, leak: S) {
+    fn entry(&mut self, leak: S) {
         self.last = leak;
         self.accumulated += leak;
         self.absolute += leak.abs();
@@ -86,8 +86,8 @@ impl<S: Scalar> Ledger<S> {
         closed.stored = interval.stored;
         closed.port_work += interval.port_work;
         closed.virtual_force_work += interval.virtual_force_work;
-        closed.original_leak.book(original);
-        closed.held_leak.book(held);
+        closed.original_leak.entry(original);
+        closed.held_leak.entry(held);
         // Finite only if every entry is: no leak exceeds the sum of their absolute values.
         let entries = closed.stored
             + closed.port_work.abs()

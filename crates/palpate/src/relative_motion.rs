@@ -46,7 +46,7 @@ pub(crate) struct Course<S> {
 
 /// Maximum number of transitions followed one by one. Before and after the whole periods that are skipped together
 /// there are at most two each, and rounding may add one to either.
-const MOST_TRANSITIONS: usize = 6;
+const MAX_TRANSITIONS: usize = 6;
 
 /// Phases of the spring below this `[rad]` are too small to use its period for the instant of release. The parabola is
 /// then accurate to the square of the phase.
@@ -97,7 +97,7 @@ impl<S: Scalar> Drive<S> {
         let mut impulse = S::ZERO;
         let mut first_transition = None;
         let mut bounces_skipped = false;
-        for _ in 0..MOST_TRANSITIONS {
+        for _ in 0..MAX_TRANSITIONS {
             let free = at.penetration < S::ZERO
                 || (at.penetration == S::ZERO
                     && (at.speed < S::ZERO || (at.speed == S::ZERO && a <= S::ZERO)));

@@ -151,10 +151,10 @@ mod tests {
         assert_eq!(own.parameters, [("periods", ParameterValue::Number(0.5))]);
         // The energy that the bench integrates at the port is what the renderer's books say.
         for run in &runs {
-            let books = run.last().ledger.port_work;
+            let ledger = run.last().ledger.port_work;
             let bench = run.bench_port_work.unwrap();
             assert!(
-                (books - bench).abs() < 1e-9 * (1.0 + books.abs()),
+                (ledger - bench).abs() < 1e-9 * (1.0 + ledger.abs()),
                 "{}",
                 run.method
             );

@@ -60,7 +60,7 @@ impl Contact {
         radius: f64,
         bodies: &[RigidBodyHandle],
         law: ContactLaw,
-        in_loop: WorldLoop,
+        loop_params: WorldLoop,
         device: CoupledParams,
     ) -> Result<Self, String> {
         let described: Result<Vec<_>, _> = bodies
@@ -72,7 +72,7 @@ impl Contact {
         // Rapier divides a step, and moves a body by the velocity at the end of each part.
         let parts = world.integration_parameters.num_solver_iterations;
         let stepping = Stepping::Parts(u32::try_from(parts).unwrap_or(u32::MAX));
-        let renderer = EngineRenderer::new(&[tool], &described?, stepping, in_loop, device);
+        let renderer = EngineRenderer::new(&[tool], &described?, stepping, loop_params, device);
         let renderer = renderer.map_err(|faults| {
             let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
             faults.join("\n")
@@ -127,8 +127,8 @@ impl Contact {
     }
 
     /// Returns the proxy position of the tool `[m]`, for a viewer.
-    pub fn avatar(&self) -> Numbers {
-        self.state.avatars()[0]
+    pub fn proxy(&self) -> Numbers {
+        self.state.proxies()[0]
     }
 }
 

@@ -46,7 +46,7 @@ fn main() -> Result<(), String> {
             world.step_with_events(&hooks, &());
             contact.pull(&mut world);
         }
-        world.bodies[hand].set_next_kinematic_translation(Vector::from_array(contact.avatar()));
+        world.bodies[hand].set_next_kinematic_translation(Vector::from_array(contact.proxy()));
         let force = contact.hold();
         let time = f64::from(tick) * PERIOD;
         if tick % 50 == 49 {

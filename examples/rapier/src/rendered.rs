@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use palpate_testbed::grid::Grid;
 use palpate_testbed::world::{
-    CheckedIdeal, PlantParams, Vector as Numbers, WorldIdeal, WorldJudgement, WorldPlant,
+    CheckedIdeal, PlantParams, Vector as Numbers, WorldEvaluation, WorldIdeal, WorldPlant,
 };
 use palpate_world::{ContactLaw, CoupledParams, WorldLoop};
 use rapier3d_f64::prelude::*;
@@ -29,7 +29,7 @@ pub struct Outcome {
     /// Mean-force error E `[%]`.
     pub error: f64,
     /// FRE over the hold bound, 1 at best.
-    pub over_floor: f64,
+    pub over_bound: f64,
     /// Median time of a step of the engine with the contact `[s]`.
     pub step: f64,
 }
@@ -52,7 +52,7 @@ impl Bench {
     pub fn new(scene: Scene, steps: u32, parts: usize) -> Result<Self, String> {
         let name = scene.name;
         let grid = Grid::even(0.0, scene.period, samples(&scene));
-        let checked = CheckedIdeal::new(&scene.judged, grid);
+        let checked = CheckedIdeal::new(&scene.evaluated, grid);
         let checked = checked.map_err(|error| format!("{name}: the ideal: {error}"))?;
         if let Some(time) = checked.chaotic_from {
             return Err(format!("{name}: there is no ideal from {time} s on"));
@@ -73,7 +73,7 @@ impl Bench {
         let mut engine = Engine::new(&self.scene, self.steps, self.parts);
         let tool = engine.put_tool(&self.scene, own.damping_ratio);
         let (steps, mut last) = (f64::from(self.steps), self.scene.start);
-        self.judged(|position| {
+        self.evaluated(|position| {
             let way = std::array::from_fn(|axis| {
                 if own.moves {
                     position[axis] - last[axis]
@@ -94,26 +94,26 @@ impl Bench {
         })
     }
 
-    /// Evaluates palpate's contact in the same engine. `told` is the model mass of the device over the true one.
+    /// Evaluates palpate's contact in the same engine. `model` is the model mass of the device over the true one.
     ///
     /// # Errors
     /// palpate rejects the scene, or the forces cannot be evaluated.
-    pub fn palpate(&self, told: f64) -> Result<Outcome, String> {
+    pub fn palpate(&self, model: f64) -> Result<Outcome, String> {
         let scene = &self.scene;
         let mut engine = Engine::new(scene, self.steps, self.parts);
         let law = ContactLaw::spring(scene.stiffness);
-        let device = CoupledParams::new(vec![DEVICE_MASS.map(|mass| told * mass)]);
-        let in_loop = WorldLoop::new(scene.period);
+        let device = CoupledParams::new(vec![DEVICE_MASS.map(|mass| model * mass)]);
+        let loop_params = WorldLoop::new(scene.period);
         let bodies = [engine.body];
         let mut contact = Contact::new(
             &engine.world,
             scene.tool_radius,
             &bodies,
             law,
-            in_loop,
+            loop_params,
             device,
         )?;
-        self.judged(|position| {
+        self.evaluated(|position| {
             contact.sample(position);
             for _ in 0..self.steps {
                 contact.push(&mut engine.world);
@@ -125,11 +125,12 @@ impl Bench {
     }
 
     /// Runs the loop with the force that `force` returns for each position of the device `[m]`, and evaluates it.
-    fn judged(&self, mut force: impl FnMut(Numbers) -> Numbers) -> Result<Outcome, String> {
+    fn evaluated(&self, mut force: impl FnMut(Numbers) -> Numbers) -> Result<Outcome, String> {
         let scene = &self.scene;
         let wrong = |error: &dyn std::fmt::Display| format!("{}: {error}", scene.name);
         let params = PlantParams::perfect(scene.period);
-        let mut device = WorldPlant::new(&scene.judged, params).map_err(|error| wrong(&error))?;
+        let mut device =
+            WorldPlant::new(&scene.evaluated, params).map_err(|error| wrong(&error))?;
         let count = samples(scene);
         let (mut held, mut times) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for _ in 0..count {
@@ -140,14 +141,14 @@ impl Bench {
             device.hold(&[now]);
         }
         times.sort_by(f64::total_cmp);
-        let judgement = WorldJudgement::of(&scene.judged, &self.ideal, &[held]);
-        let judgement = judgement.map_err(|error| wrong(&error))?;
-        let sum = judgement
+        let evaluation = WorldEvaluation::of(&scene.evaluated, &self.ideal, &[held]);
+        let evaluation = evaluation.map_err(|error| wrong(&error))?;
+        let sum = evaluation
             .sum
             .ok_or_else(|| wrong(&"the tool is not touched"))?;
         Ok(Outcome {
             error: sum.mean_force_error,
-            over_floor: sum.error_over_floor.unwrap_or(f64::INFINITY),
+            over_bound: sum.error_over_bound.unwrap_or(f64::INFINITY),
             step: times[count / 2],
         })
     }
@@ -319,6 +320,6 @@ fn spring(
 ) -> SpringCoefficients<Real> {
     let part = params.dt / params.num_solver_iterations as f64;
     let rate = (stiffness / mass).sqrt();
-    let told = (damping - part * stiffness).max(0.0);
-    SpringCoefficients::new(rate / TAU, told / (2.0 * rate * mass))
+    let model = (damping - part * stiffness).max(0.0);
+    SpringCoefficients::new(rate / TAU, model / (2.0 * rate * mass))
 }

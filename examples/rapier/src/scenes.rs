@@ -24,7 +24,7 @@ pub struct Scene {
     /// Its name.
     pub name: &'static str,
     /// Scene of the reference solution.
-    pub judged: WorldScene,
+    pub evaluated: WorldScene,
     /// Whether the body is a box of the half-extent [`HALF`], and not a sphere of that radius.
     pub is_box: bool,
     /// Initial position of the body `[m]`.
@@ -54,7 +54,7 @@ pub fn scenes(period: f64, stiffness: f64) -> Vec<Scene> {
         floor,
         tool_radius: 0.01,
         start: [0.003, 0.001, resting + 0.032],
-        judged: WorldScene::default(),
+        evaluated: WorldScene::default(),
         stiffness,
         period,
     };
@@ -71,14 +71,14 @@ pub fn scenes(period: f64, stiffness: f64) -> Vec<Scene> {
         on_floor("box on floor", true),
     ]
     .map(|scene| Scene {
-        judged: judged(&scene),
+        evaluated: evaluated(&scene),
         ..scene
     })
     .into()
 }
 
 /// Returns the scene for the reference solution.
-fn judged(scene: &Scene) -> WorldScene {
+fn evaluated(scene: &Scene) -> WorldScene {
     let shape = if scene.is_box {
         Shape::Box {
             half_extents: [HALF; 3],

@@ -83,14 +83,14 @@ fn a_force_off_the_centre_turns_a_rotated_body_as_its_mobility_says() {
     contact.pull(&mut world);
     let gained = world.bodies[body].angvel() / 1e-5;
     close(gained, expected, 1e-2);
-    let told: Vec<f64> = (3..6)
+    let model: Vec<f64> = (3..6)
         .map(|row| {
             (0..3)
                 .map(|axis| mobility[row][3 + axis] * torque[axis])
                 .sum()
         })
         .collect();
-    close(Vector::from_slice(&told), expected, 1e-9);
+    close(Vector::from_slice(&model), expected, 1e-9);
 }
 
 #[test]
@@ -132,7 +132,7 @@ fn pushed(is_filtered: bool) -> (f64, f64) {
         contact.push(&mut world);
         world.step_with_events(&hooks, &());
         contact.pull(&mut world);
-        world.bodies[hand].set_next_kinematic_translation(Vector::from_array(contact.avatar()));
+        world.bodies[hand].set_next_kinematic_translation(Vector::from_array(contact.proxy()));
         let force = contact.hold()[0];
         impulse -= H * force;
         velocity += H * (1.0 + force) / 0.2;
@@ -229,7 +229,7 @@ fn forces_are_near_the_ideal_s_in_every_scene_of_the_table() {
             println!("{name}, {period} s: {contact:?}");
             let allowed = if is_coarse { 5.0 } else { 2.0 };
             assert!(contact.error < allowed, "{name}, {period} s: {contact:?}");
-            assert!(contact.over_floor < 1.2, "{name}, {period} s: {contact:?}");
+            assert!(contact.over_bound < 1.2, "{name}, {period} s: {contact:?}");
         }
     }
 }

@@ -101,7 +101,7 @@ fn count_knob<P: MethodParams<f32> + Copy>(
         writeln!(out, "count {name} {tick} {phase} {instructions} {stack}")?;
         // The duty acts from the next tick on.
         for _ in 0..5 {
-            handle.go_on(example::PARAMS.drive.force(duty), 1.0);
+            handle.resume(example::PARAMS.drive.force(duty), 1.0);
         }
         duty = answer.duty;
     }

@@ -67,7 +67,7 @@ fn SysTick() {
     pins.duty.store(duty, Ordering::Relaxed);
     TICKS.fetch_add(1, Ordering::Relaxed);
     pins.ticks.fetch_add(1, Ordering::Relaxed);
-    stall_if_told(pins);
+    stall_if_requested(pins);
 
     let Some(knob) = KNOB.as_mut() else {
         // The first tick only creates the knob.
@@ -94,7 +94,7 @@ fn SysTick() {
 }
 
 /// Stalls the loop if a test requests it.
-fn stall_if_told(pins: &Pins) {
+fn stall_if_requested(pins: &Pins) {
     let stall = pins.stall.load(Ordering::Relaxed);
     if stall == Stall::Not as u32 {
         return;
@@ -114,7 +114,7 @@ unsafe fn DefaultHandler(interrupt: i16) {
     match Timer::of(interrupt) {
         Some(Timer::World) => {
             Timer::World.acknowledge();
-            emulated::go_on();
+            emulated::resume();
         }
         Some(Timer::Supervisor) => {
             Timer::Supervisor.acknowledge();

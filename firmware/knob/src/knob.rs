@@ -13,7 +13,7 @@ pub enum WhenSilent {
     /// The loop continues: the knob needs no host.
     GoOn,
     /// The loop disables its output after this many ticks without a message, and until the host has sent one.
-    LetGo {
+    DisableOutput {
         /// Ticks without a message.
         after: u32,
     },
@@ -147,7 +147,9 @@ impl<P: MethodParams<f32>> Knob<P> {
         };
         match self.params.when_silent {
             WhenSilent::GoOn => false,
-            WhenSilent::LetGo { after } => self.silent_for.is_none_or(|ticks| ticks >= after),
+            WhenSilent::DisableOutput { after } => {
+                self.silent_for.is_none_or(|ticks| ticks >= after)
+            }
         }
     }
 
@@ -241,7 +243,7 @@ mod tests {
             rest(&mut alone, 65_500, 100, false).status,
             Status::Rendering
         );
-        let mut led = knob(WhenSilent::LetGo { after: 50 });
+        let mut led = knob(WhenSilent::DisableOutput { after: 50 });
         assert_eq!(
             rest(&mut led, 65_500, 100, false).status,
             Status::HostSilent

@@ -168,7 +168,7 @@ namespace Palpate
         public double ObjectVelocity;
         public double Penetration;
         public double TransitionAfter;
-        public double PlacementShift;
+        public double ObjectShift;
         public Phase Phase;
         public Fault Fault;
         public uint Limited;

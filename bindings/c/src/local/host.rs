@@ -15,13 +15,13 @@ use crate::status::{Refusal, Status};
 /// The simulator repeats four steps: read the progress; integrate over the time since the previous progress with
 /// palpate_mean_wrench() on each body; detect contacts near the proxy; publish its bodies and contacts for the tick
 /// of the progress.
-pub struct SlowHost {
-    end: palpate_rt::SlowHost,
+pub struct LowRateSimulator {
+    end: palpate_rt::LowRateSimulator,
     bodies: usize,
 }
 
-impl SlowHost {
-    pub(super) fn new(end: palpate_rt::SlowHost, bodies: u32) -> Self {
+impl LowRateSimulator {
+    pub(super) fn new(end: palpate_rt::LowRateSimulator, bodies: u32) -> Self {
         Self {
             end,
             bodies: bodies as usize,
@@ -47,7 +47,7 @@ impl SlowHost {
 /// # Safety
 /// `host` is NULL or a simulator side, and is not used afterwards.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_slow_host_free(host: *mut SlowHost) {
+pub unsafe extern "C" fn palpate_low_rate_simulator_free(host: *mut LowRateSimulator) {
     if !host.is_null() {
         // SAFETY: allocated with `Box::into_raw` by `palpate_local_world_new`, and not used afterwards.
         drop(unsafe { Box::from_raw(host) });
@@ -61,8 +61,8 @@ pub unsafe extern "C" fn palpate_slow_host_free(host: *mut SlowHost) {
 /// Each pointer is NULL or points to a value of its type, `bodies` to `body_count` of them; the first field of each
 /// sized struct is its size.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_slow_host_progress(
-    host: *mut SlowHost,
+pub unsafe extern "C" fn palpate_low_rate_simulator_progress(
+    host: *mut LowRateSimulator,
     progress: *mut Progress,
     bodies: *mut BodyProgress,
     body_count: usize,
@@ -98,8 +98,8 @@ pub unsafe extern "C" fn palpate_slow_host_progress(
 /// Each pointer is NULL or points to a value of its type, `bodies` and `contacts` to `body_count` and
 /// `contact_count` of them.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_slow_host_publish(
-    host: *mut SlowHost,
+pub unsafe extern "C" fn palpate_low_rate_simulator_publish(
+    host: *mut LowRateSimulator,
     tick: u64,
     bodies: *const HostBody,
     body_count: usize,

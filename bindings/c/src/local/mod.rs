@@ -31,7 +31,7 @@ pub struct LocalWorld(BoundedLocalWorld);
 
 /// Creates both sides of a local model and stores them in `*world` and `*host`, or NULL on an error. The loop side
 /// belongs to the thread that samples the device, the simulator side to the thread of the simulator; neither waits
-/// for the other. Free them, in any order, with palpate_local_world_free and palpate_slow_host_free.
+/// for the other. Free them, in any order, with palpate_local_world_free and palpate_low_rate_simulator_free.
 ///
 /// # Safety
 /// Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
@@ -39,7 +39,7 @@ pub struct LocalWorld(BoundedLocalWorld);
 pub unsafe extern "C" fn palpate_local_world_new(
     params: *const LocalParams,
     world: *mut *mut LocalWorld,
-    host: *mut *mut SlowHost,
+    host: *mut *mut LowRateSimulator,
 ) -> Status {
     status(|| {
         // SAFETY: each is NULL, or a pointer can be written there.
@@ -58,7 +58,7 @@ pub unsafe extern "C" fn palpate_local_world_new(
         let (of_host, of_loop) = bounded_local_world(params.renderer()?, params.limits()?)
             .map_err(|error| Refusal::Numbers(error.to_string()))?;
         *world = Box::into_raw(Box::new(LocalWorld(of_loop)));
-        *host = Box::into_raw(Box::new(SlowHost::new(of_host, params.bodies)));
+        *host = Box::into_raw(Box::new(LowRateSimulator::new(of_host, params.bodies)));
         Ok(())
     })
 }

@@ -133,19 +133,19 @@ impl LocalParams {
             return_time: self.return_time,
             ..Room::new(self.bodies as usize, self.contacts as usize)
         };
-        let in_loop = WorldLoop::new(period).with_actuation(Actuation {
+        let loop_params = WorldLoop::new(period).with_actuation(Actuation {
             delay: self.delay,
             lag: self.lag,
             gain: self.gain,
             ..Actuation::default()
         });
-        let in_loop = if limit.is_finite() {
-            in_loop.with_force_limits(vec![limit])
+        let loop_params = if limit.is_finite() {
+            loop_params.with_force_limits(vec![limit])
         } else {
-            in_loop
+            loop_params
         };
         let coupled = CoupledParams::new(vec![self.device_mass]).with_encoder_quantum(self.quantum);
-        LocalRenderer::new(&[tool], room, in_loop, coupled)
+        LocalRenderer::new(&[tool], room, loop_params, coupled)
             .map_err(|faults| Refusal::Numbers(in_words(&faults)))
     }
 

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::string::ToString;
 use std::time::Duration;
 
-use palpate_record::recording::{LoopTime, Receipt};
+use palpate_record::recording::{LoopTime, RecordingMetadata};
 use palpate_rt::{Ending, Recorder as Thread, Tap, WorldFrame, WorldRows};
 
 use crate::contact::Contact;
@@ -63,7 +63,7 @@ pub unsafe extern "C" fn palpate_recorder_of_contact(
 ) -> Status {
     // SAFETY: guaranteed by the caller.
     unsafe {
-        begin(path, params, recorder, |receipt| {
+        begin(path, params, recorder, |metadata| {
             let contact = contact.as_ref().ok_or(Refusal::Null("contact"))?;
             let rendering = contact.running.rendering();
             let lines = format!(
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn palpate_recorder_of_contact(
                 rendering.loop_params.period
             );
             Ok((
-                receipt.with("contact", &lines),
+                metadata.with("contact", &lines),
                 Of::Contact(contact.identity),
             ))
         })
@@ -93,12 +93,12 @@ pub unsafe extern "C" fn palpate_recorder_of_world(
 ) -> Status {
     // SAFETY: guaranteed by the caller.
     unsafe {
-        begin(path, params, recorder, |receipt| {
+        begin(path, params, recorder, |metadata| {
             let world = world.as_ref().ok_or(Refusal::Null("world"))?;
             if world.devices.len() != 1 {
                 return Err(Refusal::NotOneDevice(world.devices.len()));
             }
-            Ok(of_device(receipt, world, 0))
+            Ok(of_device(metadata, world, 0))
         })
     }
 }
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn palpate_recorder_of_device(
 ) -> Status {
     // SAFETY: guaranteed by the caller.
     unsafe {
-        begin(path, params, recorder, |receipt| {
+        begin(path, params, recorder, |metadata| {
             let world = world.as_ref().ok_or(Refusal::Null("world"))?;
             let count = world.devices.len();
             let Some(recorded) = world.devices.get(device) else {
@@ -134,7 +134,7 @@ pub unsafe extern "C" fn palpate_recorder_of_device(
                 recorded.name
             );
             Ok(of_device(
-                receipt.with("device of the world", &which),
+                metadata.with("device of the world", &which),
                 world,
                 device,
             ))
@@ -143,13 +143,13 @@ pub unsafe extern "C" fn palpate_recorder_of_device(
 }
 
 /// Adds a world to the metadata of a recording and returns it with the recorded object.
-fn of_device(receipt: Receipt, world: &World, device: usize) -> (Receipt, Of) {
-    let receipt = match &world.source {
-        Some(source) => receipt.with("world", source),
+fn of_device(metadata: RecordingMetadata, world: &World, device: usize) -> (RecordingMetadata, Of) {
+    let metadata = match &world.source {
+        Some(source) => metadata.with("world", source),
         // A world that was not read from a text has no source.
-        None => receipt,
+        None => metadata,
     };
-    let receipt = receipt
+    let metadata = metadata
         .with("method", &format!("name = \"{}\"\n", world.method))
         .with("frame", &WorldFrame::the_same().to_string());
     let of = Of::World {
@@ -158,7 +158,7 @@ fn of_device(receipt: Receipt, world: &World, device: usize) -> (Receipt, Of) {
         changes: world.changes,
         device,
     };
-    (receipt, of)
+    (metadata, of)
 }
 
 /// Starts a recording of the object that `of` returns, with its metadata.
@@ -169,7 +169,7 @@ unsafe fn begin<'a>(
     path: *const c_char,
     params: *const RecorderParams,
     recorder: *mut *mut Recorder,
-    of: impl FnOnce(Receipt) -> Result<(Receipt, Of), Refusal<'a>>,
+    of: impl FnOnce(RecordingMetadata) -> Result<(RecordingMetadata, Of), Refusal<'a>>,
 ) -> Status {
     status(|| {
         // SAFETY: NULL, or a pointer can be written there.
@@ -177,13 +177,14 @@ unsafe fn begin<'a>(
         *out = ptr::null_mut();
         // SAFETY: guaranteed by the caller.
         let (path, asked) = unsafe { (text::read(path, "path")?, Asked::at(params)?) };
-        let receipt = Receipt::new(env!("CARGO_PKG_VERSION")).with("device", &asked.device);
-        let receipt = match &asked.scene {
-            Some(scene) => receipt.with("scene", scene),
-            None => receipt,
+        let metadata =
+            RecordingMetadata::new(env!("CARGO_PKG_VERSION")).with("device", &asked.device);
+        let metadata = match &asked.scene {
+            Some(scene) => metadata.with("scene", scene),
+            None => metadata,
         };
-        let (receipt, of) = of(receipt)?;
-        let (tap, thread) = Thread::begin_with_room(Path::new(path), &receipt, asked.room)
+        let (metadata, of) = of(metadata)?;
+        let (tap, thread) = Thread::begin_with_room(Path::new(path), &metadata, asked.room)
             .map_err(|error| match error.source.kind() {
                 ErrorKind::OutOfMemory => Refusal::NoMemory(error.to_string()),
                 _ => Refusal::Recording(error.to_string()),

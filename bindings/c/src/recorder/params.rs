@@ -59,7 +59,7 @@ const DEFAULT: RecorderParams = RecorderParams {
 };
 
 /// Largest queue capacity [ticks], because the queue is allocated at the start.
-const MOST_ROOM: usize = 1 << 24;
+const MAX_ROOM: usize = 1 << 24;
 
 /// Fills recording parameters with the defaults. `struct_size` is sizeof(palpate_recorder_params).
 ///
@@ -101,9 +101,9 @@ impl Asked {
             // SAFETY: guaranteed by the caller.
             unsafe { text::read(text, name) }.map(|text| Some(String::from(text)))
         };
-        if params.room > MOST_ROOM {
+        if params.room > MAX_ROOM {
             return Err(Refusal::Numbers(format!(
-                "room is {} ticks, but must be at most {MOST_ROOM}",
+                "room is {} ticks, but must be at most {MAX_ROOM}",
                 params.room
             )));
         }

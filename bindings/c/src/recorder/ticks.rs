@@ -132,7 +132,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
         let elapsed = if sample.has_elapsed != 0 {
             sample.elapsed
         } else {
-            world.bounded.renderer().in_loop().period
+            world.bounded.renderer().loop_params().period
         };
         let (sequence, time, period) = recorder.goes_on(elapsed);
         let state = world.bounded.state();
@@ -149,7 +149,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
                 Flags::SAFETY_LIMITED,
                 is(Limit::Slew as u32 | Limit::SoftStart as u32),
             )
-            .with(Flags::SAFETY_TRIPPED, is(Limit::Stopped as u32))
+            .with(Flags::SAFETY_STOPPED, is(Limit::Stopped as u32))
             .with(Flags::FAULT, output.fault != Fault::None as u32);
         // After an argument error no tick was executed, and the world still holds the wrenches of the previous tick.
         let has_been = output.fault != Fault::Argument as u32;
@@ -170,7 +170,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
             delivered_force: sent.force,
             delivered_torque: sent.torque,
             generation: 0,
-            created_energy: state.books().created(),
+            created_energy: state.ledger().created(),
             flags,
             ..Tick::UNKNOWN
         };
@@ -191,7 +191,7 @@ struct Answer {
     object_velocity: f64,
     penetration: f64,
     transition_after: f64,
-    placement_shift: f64,
+    object_shift: f64,
     phase: u32,
     fault: u32,
     limited: u32,
@@ -201,7 +201,7 @@ struct Answer {
 const _: () = {
     use core::mem::offset_of;
     assert!(size_of::<Answer>() == size_of::<Output<f64>>());
-    assert!(offset_of!(Answer, placement_shift) == offset_of!(Output<f64>, placement_shift));
+    assert!(offset_of!(Answer, object_shift) == offset_of!(Output<f64>, object_shift));
     assert!(offset_of!(Answer, phase) == offset_of!(Output<f64>, phase));
     assert!(offset_of!(Answer, limited) == offset_of!(Output<f64>, limited));
     assert!(size_of::<WorldAnswer>() == size_of::<WorldOutput>());
@@ -225,7 +225,7 @@ impl Answer {
             object_velocity: self.object_velocity,
             penetration: self.penetration,
             transition_after: self.transition_after,
-            placement_shift: self.placement_shift,
+            object_shift: self.object_shift,
             phase: match self.phase {
                 phase if phase == Phase::Free as u32 => CorePhase::Free,
                 phase if phase == Phase::Contact as u32 => CorePhase::Contact,

@@ -1,7 +1,7 @@
 //! Parameters of a scene and of its devices.
 
 use palpate_scene::world::{DeviceTurning, TurningHand, WorldDevice, WorldHand};
-use palpate_world::NOT_TURNED;
+use palpate_world::IDENTITY;
 
 use crate::choice;
 use crate::edge::status;
@@ -177,7 +177,7 @@ impl DeviceParams {
             check(&[("angle_quantum", self.angle_quantum, false)])?;
             Some(DeviceTurning {
                 inertia: self.inertia,
-                orientation: NOT_TURNED,
+                orientation: IDENTITY,
                 angular_velocity: none,
                 quantum: self.angle_quantum,
                 gives_torque: self.turns != BY_HAND,
@@ -185,7 +185,7 @@ impl DeviceParams {
                     torque: none,
                     stiffness: 0.0,
                     damping: 0.0,
-                    rest: NOT_TURNED,
+                    rest: IDENTITY,
                     tremor: Default::default(),
                 },
             })

@@ -43,7 +43,7 @@ impl Default for BodyParams {
             struct_size: size_of::<Self>(),
             pose: Pose {
                 position: [0.0; 3],
-                orientation: palpate_world::NOT_TURNED,
+                orientation: palpate_world::IDENTITY,
             },
             mass: f64::INFINITY,
             inertia: [0.0; 3],

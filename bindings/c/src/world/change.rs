@@ -34,7 +34,7 @@ pub unsafe extern "C" fn palpate_world_change(world: *mut World, scene: *mut Sce
         let world = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
         // SAFETY: guaranteed by the caller.
         let scene = unsafe { scene::at(scene) }?;
-        let period = world.bounded.renderer().in_loop().period;
+        let period = world.bounded.renderer().loop_params().period;
         let given = scene.scene.timing.period;
         if given != period {
             return Err(Refusal::WorldChange(format!(

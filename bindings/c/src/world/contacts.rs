@@ -66,11 +66,11 @@ pub struct DeviceState {
     /// Device pose as estimated by the method.
     pub pose: Pose,
     /// Proxy pose, with which the world collides. Draw the tool here.
-    pub avatar: Pose,
+    pub proxy: Pose,
     /// Velocity of the device [m/s].
     pub velocity: [f64; 3],
     /// Velocity of the proxy [m/s].
-    pub avatar_velocity: [f64; 3],
+    pub proxy_velocity: [f64; 3],
 }
 
 // SAFETY: `repr(C)`, a `usize` first, numbers only. It is written, never read from C.
@@ -160,12 +160,12 @@ pub unsafe extern "C" fn palpate_world_device_state(
                 position: tool.position,
                 orientation: tool.orientation,
             },
-            avatar: Pose {
-                position: tool.avatar_position,
-                orientation: tool.avatar_orientation,
+            proxy: Pose {
+                position: tool.proxy_position,
+                orientation: tool.proxy_orientation,
             },
             velocity: tool.velocity,
-            avatar_velocity: tool.avatar_velocity,
+            proxy_velocity: tool.proxy_velocity,
         };
         // SAFETY: guaranteed by the caller.
         unsafe { sized::write(state, || value) }

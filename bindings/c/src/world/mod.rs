@@ -24,7 +24,7 @@ use std::ffi::CString;
 
 use palpate_rt::{BoundedWorld, WorldRows};
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_world::{NOT_TURNED, Quaternion, Vector, WorldError};
+use palpate_world::{IDENTITY, Quaternion, Vector, WorldError};
 
 use crate::edge::status;
 use crate::identity::Identity;
@@ -196,7 +196,7 @@ impl World {
                 .collect(),
             bodies: names_of_bodies(&scene.world),
             positions: vec![[0.0; 3]; tools.len()],
-            orientations: vec![NOT_TURNED; tools.len()],
+            orientations: vec![IDENTITY; tools.len()],
         })
     }
 }

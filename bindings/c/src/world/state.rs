@@ -129,7 +129,7 @@ pub unsafe extern "C" fn palpate_world_body_name(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_world_period(world: *const World) -> f64 {
     // SAFETY: guaranteed by the caller.
-    unsafe { at(world) }.map_or(0.0, |world| world.bounded.renderer().in_loop().period)
+    unsafe { at(world) }.map_or(0.0, |world| world.bounded.renderer().loop_params().period)
 }
 
 /// Writes pose and velocities of a body to `*state`. `body` is its index in the scene.
@@ -175,22 +175,22 @@ pub unsafe extern "C" fn palpate_world_ledger_of(
 ) -> Status {
     status(|| {
         // SAFETY: guaranteed by the caller.
-        let books = unsafe { at(world) }?.bounded.state().books();
-        let (mut sums, contacts) = (WorldLedger::none(), &books.contacts);
-        for body in books.bodies.iter().chain([&books.gone.bodies]) {
+        let all = unsafe { at(world) }?.bounded.state().ledger();
+        let (mut sums, contacts) = (WorldLedger::none(), &all.contacts);
+        for body in all.bodies.iter().chain([&all.gone.bodies]) {
             sums.kinetic += body.kinetic;
             sums.potential += body.potential;
         }
-        for contact in contacts.iter().chain([&books.gone.contacts]) {
+        for contact in contacts.iter().chain([&all.gone.contacts]) {
             sums.stored += contact.stored;
             sums.dissipated += contact.dissipated;
         }
-        for joint in books.joints.iter().chain([&books.gone.joints]) {
+        for joint in all.joints.iter().chain([&all.gone.joints]) {
             sums.stored += joint.stored;
             sums.dissipated += joint.dissipated;
         }
-        sums.port_work = books.devices.iter().map(|device| device.port_work).sum();
-        sums.created = books.created();
+        sums.port_work = all.devices.iter().map(|device| device.port_work).sum();
+        sums.created = all.created();
         // SAFETY: guaranteed by the caller.
         unsafe { sized::write(ledger, || sums) }
     })

@@ -1,7 +1,7 @@
 //! Tick of a world.
 
 use palpate_device::Wrench as Held;
-use palpate_world::{NOT_TURNED, Sample};
+use palpate_world::{IDENTITY, Sample};
 
 use super::{World, WorldOutput, WorldSample, Wrench};
 use crate::array::array_mut;
@@ -127,7 +127,7 @@ unsafe fn tick(
         *orientation = if device.turns {
             pose.orientation
         } else {
-            NOT_TURNED
+            IDENTITY
         };
     }
     let held = world.bounded.step(&Sample {

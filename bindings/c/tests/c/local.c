@@ -31,7 +31,7 @@ static palpate_local_params right(void) {
 
 static void making(void) {
   palpate_local_world *world = (palpate_local_world *)1;
-  palpate_slow_host *host = (palpate_slow_host *)1;
+  palpate_low_rate_simulator *host = (palpate_low_rate_simulator *)1;
   palpate_local_params params = palpate_local_params_default();
 #define REFUSES(change, stated, words)                                        \
   params = right();                                                           \
@@ -52,12 +52,12 @@ static void making(void) {
   REFUSES(params.soft_start = -1.0, PALPATE_STATUS_PARAMETER, "soft_start is -1");
   REFUSES(params.struct_size = 3, PALPATE_STATUS_STRUCT_SIZE, "palpate_local_params");
   params = right();
-  host = (palpate_slow_host *)1;
+  host = (palpate_low_rate_simulator *)1;
   EXPECT(palpate_local_world_new(&params, NULL, &host) == PALPATE_STATUS_NULL && host == NULL);
   EXPECT(palpate_local_world_new(&params, &world, NULL) == PALPATE_STATUS_NULL && world == NULL);
   EXPECT(palpate_local_world_new(NULL, &world, &host) == PALPATE_STATUS_NULL);
   palpate_local_world_free(NULL);
-  palpate_slow_host_free(NULL);
+  palpate_low_rate_simulator_free(NULL);
 }
 
 /* Executes a tick with the tool at the given depth in a floor at 0. */
@@ -69,7 +69,7 @@ static palpate_fault tick(palpate_local_world *world, double depth, palpate_wren
 
 static void ticks(void) {
   palpate_local_world *world;
-  palpate_slow_host *host;
+  palpate_low_rate_simulator *host;
   palpate_local_params params = right();
   palpate_local_output output = palpate_local_output_empty();
   palpate_progress progress = palpate_progress_empty();
@@ -90,8 +90,8 @@ static void ticks(void) {
   EXPECT(output.is_stale == 1 && output.age == INFINITY && output.refusal == PALPATE_MODEL_REFUSAL_NONE);
   /* Longer than the maximum age of a model. */
   for (int at = 0; at < 400; at++) {
-    EXPECT(palpate_slow_host_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK);
-    EXPECT(palpate_slow_host_publish(host, progress.tick, NULL, 0, floor, 2) == PALPATE_STATUS_OK);
+    EXPECT(palpate_low_rate_simulator_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK);
+    EXPECT(palpate_low_rate_simulator_publish(host, progress.tick, NULL, 0, floor, 2) == PALPATE_STATUS_OK);
     EXPECT(tick(world, 0.001, &wrench, &output) == PALPATE_FAULT_NONE);
   }
   EXPECT(fabs(wrench.force[2] - 1.0) < 0.05 && wrench.force[0] == 0.0 && output.is_stale == 0);
@@ -99,23 +99,23 @@ static void ticks(void) {
   EXPECT(progress.period == 0.001 && fabs(progress.position[2] - 0.004) < 0.001);
 
   /* An invalid model changes nothing, and the message lists all faults. */
-  REFUSED(palpate_slow_host_publish(host, 400, &body, 1, floor, 1), PALPATE_STATUS_COUNT,
+  REFUSED(palpate_low_rate_simulator_publish(host, 400, &body, 1, floor, 1), PALPATE_STATUS_COUNT,
           "body_count is 1, but the local model has 0 bodies");
-  REFUSED(palpate_slow_host_publish(host, 400, NULL, 0, NULL, 1), PALPATE_STATUS_NULL, "contacts is NULL");
+  REFUSED(palpate_low_rate_simulator_publish(host, 400, NULL, 0, NULL, 1), PALPATE_STATUS_NULL, "contacts is NULL");
   floor[0].normal[2] = 0.5, floor[1] = floor[0], floor[1].normal[2] = 1.0, floor[1].on = 3;
-  REFUSED(palpate_slow_host_publish(host, 400, NULL, 0, floor, 2), PALPATE_STATUS_PARAMETER, "contact 0");
-  REFUSED(palpate_slow_host_publish(host, 400, NULL, 0, floor, 2), PALPATE_STATUS_PARAMETER, "contact 1");
+  REFUSED(palpate_low_rate_simulator_publish(host, 400, NULL, 0, floor, 2), PALPATE_STATUS_PARAMETER, "contact 0");
+  REFUSED(palpate_low_rate_simulator_publish(host, 400, NULL, 0, floor, 2), PALPATE_STATUS_PARAMETER, "contact 1");
   floor[0].normal[2] = 1.0, floor[0].stiffness = NAN;
-  REFUSED(palpate_slow_host_publish(host, 400, NULL, 0, floor, 1), PALPATE_STATUS_PARAMETER, "contact 0");
+  REFUSED(palpate_low_rate_simulator_publish(host, 400, NULL, 0, floor, 1), PALPATE_STATUS_PARAMETER, "contact 0");
   floor[0].stiffness = 1000.0, floor[1] = palpate_host_contact_none();
-  REFUSED(palpate_slow_host_progress(host, &progress, given, 1), PALPATE_STATUS_COUNT, "body_count is 1");
-  REFUSED(palpate_slow_host_progress(host, NULL, NULL, 0), PALPATE_STATUS_NULL, "palpate_progress");
-  EXPECT(palpate_slow_host_progress(NULL, &progress, NULL, 0) == PALPATE_STATUS_NULL);
-  EXPECT(palpate_slow_host_publish(NULL, 0, NULL, 0, NULL, 0) == PALPATE_STATUS_NULL);
+  REFUSED(palpate_low_rate_simulator_progress(host, &progress, given, 1), PALPATE_STATUS_COUNT, "body_count is 1");
+  REFUSED(palpate_low_rate_simulator_progress(host, NULL, NULL, 0), PALPATE_STATUS_NULL, "palpate_progress");
+  EXPECT(palpate_low_rate_simulator_progress(NULL, &progress, NULL, 0) == PALPATE_STATUS_NULL);
+  EXPECT(palpate_low_rate_simulator_publish(NULL, 0, NULL, 0, NULL, 0) == PALPATE_STATUS_NULL);
   /* Both sides report a model that the loop rejects. */
-  EXPECT(palpate_slow_host_publish(host, 5000, NULL, 0, floor, 2) == PALPATE_STATUS_OK);
+  EXPECT(palpate_low_rate_simulator_publish(host, 5000, NULL, 0, floor, 2) == PALPATE_STATUS_OK);
   EXPECT(tick(world, 0.001, &wrench, &output) == PALPATE_FAULT_NONE && output.refusal == PALPATE_MODEL_REFUSAL_NOT_YET);
-  EXPECT(palpate_slow_host_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK);
+  EXPECT(palpate_low_rate_simulator_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK);
   EXPECT(progress.refusal == PALPATE_MODEL_REFUSAL_NOT_YET && fabs(wrench.force[2] - 1.0) < 0.05);
 
   /* An invalid sample gives no force. */
@@ -130,13 +130,13 @@ static void ticks(void) {
   sample = palpate_world_sample_at(NULL, 1);
   EXPECT(palpate_local_world_step(world, &sample, &wrench, NULL) == PALPATE_FAULT_ARGUMENT);
   /* A tick whose output struct is invalid is not executed. */
-  EXPECT(palpate_slow_host_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK);
+  EXPECT(palpate_low_rate_simulator_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK);
   before = progress.tick;
   output.struct_size = 8;
   EXPECT(tick(world, 0.001, &wrench, &output) == PALPATE_FAULT_ARGUMENT && wrench.force[2] == 0.0);
-  EXPECT(palpate_slow_host_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK && progress.tick == before);
+  EXPECT(palpate_low_rate_simulator_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK && progress.tick == before);
   EXPECT(tick(world, 0.001, &wrench, NULL) == PALPATE_FAULT_NONE);
-  EXPECT(palpate_slow_host_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK && progress.tick == before + 1);
+  EXPECT(palpate_low_rate_simulator_progress(host, &progress, NULL, 0) == PALPATE_STATUS_OK && progress.tick == before + 1);
   wrench.force[1] = NAN;
   REFUSED(palpate_local_world_report_sent(world, &wrench), PALPATE_STATUS_PARAMETER, "force is NaN, but must be finite [N]");
   wrench.force[1] = 0.0;
@@ -146,7 +146,7 @@ static void ticks(void) {
 
   /* After the simulator side is freed, its contacts fade out. */
   output = palpate_local_output_empty();
-  palpate_slow_host_free(host);
+  palpate_low_rate_simulator_free(host);
   for (int at = 0; at < 400; at++) tick(world, 0.001, &wrench, &output);
   EXPECT(wrench.force[2] == 0.0 && output.is_stale == 1);
   palpate_local_world_free(world);
@@ -155,7 +155,7 @@ static void ticks(void) {
 /* A device without a z axis, which a floor below it cannot push. */
 static void planar(void) {
   palpate_local_world *world;
-  palpate_slow_host *host;
+  palpate_low_rate_simulator *host;
   palpate_local_params params = right();
   palpate_wrench wrench;
   palpate_host_contact floor;
@@ -164,28 +164,28 @@ static void planar(void) {
   floor = palpate_host_contact_at_gap(centre, 0.005, PALPATE_NO_BODY, -0.001, slope, 1000.0);
   EXPECT(palpate_local_world_new(&params, &world, &host) == PALPATE_STATUS_OK);
   for (int at = 0; at < 200; at++) {
-    EXPECT(palpate_slow_host_publish(host, (uint64_t)at, NULL, 0, &floor, 1) == PALPATE_STATUS_OK);
+    EXPECT(palpate_low_rate_simulator_publish(host, (uint64_t)at, NULL, 0, &floor, 1) == PALPATE_STATUS_OK);
     EXPECT(tick(world, 0.0, &wrench, NULL) == PALPATE_FAULT_NONE);
   }
   EXPECT(wrench.force[0] > 0.4 && wrench.force[2] == 0.0);
   palpate_local_world_free(world);
-  EXPECT(palpate_slow_host_publish(host, 0, NULL, 0, &floor, 1) == PALPATE_STATUS_OK);
-  palpate_slow_host_free(host);
+  EXPECT(palpate_low_rate_simulator_publish(host, 0, NULL, 0, &floor, 1) == PALPATE_STATUS_OK);
+  palpate_low_rate_simulator_free(host);
 }
 
 static atomic_int published = 0, is_over = 0, is_gone = 0;
 
-static int publish_until_the_end(palpate_slow_host *host) {
+static int publish_until_the_end(palpate_low_rate_simulator *host) {
   palpate_progress progress = palpate_progress_empty();
   palpate_body_progress given[1];
   palpate_host_body body = palpate_host_body_fixed(0.0, 0.0, 0.0);
   const double centre[3] = {0.0, 0.0, 0.005};
   palpate_host_contact floor = palpate_host_contact_at_gap(centre, 0.005, 0, 0.0, UP, 1000.0);
   do {
-    if (palpate_slow_host_progress(host, &progress, given, 1) != PALPATE_STATUS_OK) return 1;
+    if (palpate_low_rate_simulator_progress(host, &progress, given, 1) != PALPATE_STATUS_OK) return 1;
     /* This loop does not pace its ticks, so a model can be too old on arrival. No other error is allowed. */
     if (progress.refusal != PALPATE_MODEL_REFUSAL_NONE && progress.refusal != PALPATE_MODEL_REFUSAL_TOO_OLD) return 1;
-    if (palpate_slow_host_publish(host, progress.tick, &body, 1, &floor, 1) != PALPATE_STATUS_OK) return 1;
+    if (palpate_low_rate_simulator_publish(host, progress.tick, &body, 1, &floor, 1) != PALPATE_STATUS_OK) return 1;
     published++;
   } while (!is_over);
   return 0;
@@ -200,7 +200,7 @@ static void *publishes(void *host) {
 
 static void two_threads(void) {
   palpate_local_world *world;
-  palpate_slow_host *host;
+  palpate_low_rate_simulator *host;
   palpate_local_params params = right();
   palpate_local_output output = palpate_local_output_empty();
   palpate_wrench wrench = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
@@ -215,7 +215,7 @@ static void two_threads(void) {
   }
   is_over = 1;
   EXPECT(pthread_join(thread, NULL) == 0 && published >= 100);
-  palpate_slow_host_free(host);
+  palpate_low_rate_simulator_free(host);
   palpate_local_world_free(world);
 }
 

@@ -153,7 +153,7 @@ static void recordings(const std::string &folder) {
   }
 }
 
-static void slow_hosts() {
+static void low_rate_simulators() {
   auto params = palpate_local_params_default();
   try {
     palpate::local_world(params);
@@ -167,7 +167,7 @@ static void slow_hosts() {
   params.bodies = 1;
   auto ends = palpate::local_world(params);
   palpate::LocalWorld world(std::move(ends.first));
-  palpate::SlowHost host(std::move(ends.second));
+  palpate::LowRateSimulator host(std::move(ends.second));
   const double point[3] = {0.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
   const palpate_host_body fixed = palpate_host_body_fixed(0.0, 0.0, 0.0);
   const palpate_host_contact floor = palpate_host_contact_at_gap(point, 0.0, 0, 0.0, up, 1000.0);
@@ -192,7 +192,7 @@ static void slow_hosts() {
 }
 
 int main(int argc, char **argv) {
-  slow_hosts();
+  low_rate_simulators();
   if (argc > 1) worlds(argv[1]);
   built();
   if (argc > 2) recordings(argv[2]);

@@ -63,7 +63,7 @@ class LoopStatus(NamedTuple):
     cuts: int
     """How often the supervisor commanded no force, because the loop stood still."""
     motors_off: bool
-    """Whether a trip of the safety kept the motors off at the end of the last tick."""
+    """Whether a safety stop of the safety kept the motors off at the end of the last tick."""
     force: tuple[float, float, float]
     """Force that the device says it holds, along its axes [N]; NaN where it did not say. Of several devices, of the first."""
     forces: tuple[tuple[float, float, float], ...] = ()
@@ -77,8 +77,8 @@ class LoopReport(NamedTuple):
     """Why it ended; `None` for a loop that was never started."""
     failure: str | None
     """What went wrong: a lost device, a panic, a recording that could not be written, a device that could not be let go of."""
-    trip: str | None
-    """The trip of the safety that held the force at none in the end."""
+    safety_stop: str | None
+    """The safety stop of the safety that held the force at none in the end."""
     ticks: int
     """Ticks."""
     missed_deadlines: int
@@ -88,7 +88,7 @@ class LoopReport(NamedTuple):
     refused: int
     """Ticks whose sample the renderer has refused: it asked for no force."""
     motors_off: int
-    """Ticks at whose end a trip kept the motors off."""
+    """Ticks at whose end a safety stop kept the motors off."""
     cuts: int
     """How often the supervisor commanded no force."""
     lateness: Spread
@@ -100,7 +100,7 @@ class LoopReport(NamedTuple):
     unrecorded: int | None
     """Ticks that the recording lacks; `None` where there is none."""
     device: str | None = None
-    """Of several devices the one that the trip is of, by its name in the world; `None` of one device, and without a trip."""
+    """Of several devices the one that the safety stop is of, by its name in the world; `None` of one device, and without a safety stop."""
 
 
 class Loop(Fixed, _palpate.Loop):
@@ -126,17 +126,17 @@ class Loop(Fixed, _palpate.Loop):
         with palpate.Loop(fingers, world) as loop:
             ticks, devices = loop.read(wait=1.0), loop.devices
 
-    What a game or an engine of another rate publishes is rendered by a `palpate.engines.SlowHost`.
+    What a game or an engine of another rate publishes is rendered by a `palpate.engines.LowRateSimulator`.
 
-    Where one device has no good sample, trips, is cut or does not take its force, no device has a force.
+    Where one device has no good sample, safety stops, is cut or does not take its force, no device has a force.
 
     The loop ends, and the device is commanded no force, when the `with` block is left by its end, by an exception or by
     Ctrl-C; by `stop`; when the interpreter exits; when nobody refers to the loop any more. A signal that ends Python at once,
-    such as SIGTERM without a handler, is not among these: then a guardian takes the force off a device that holds it.
+    such as SIGTERM without a handler, is not among these: then a watchdog takes the force off a device that holds it.
 
     Args:
         device: One of `palpate.devices`; of a world with several devices one for each, by its name in the world.
-        renderer: What is rendered: a `Renderer`, a `World` with devices of three or six axes, or a `palpate.engines.SlowHost`, on a
+        renderer: What is rendered: a `Renderer`, a `World` with devices of three or six axes, or a `palpate.engines.LowRateSimulator`, on a
             device of a `World` or a real one.
         record: A recording (MCAP) to write; a file that is there is not overwritten.
         ring: Ticks that wait for `read`; of more, the oldest make room and are counted.
@@ -161,14 +161,14 @@ class Loop(Fixed, _palpate.Loop):
     """What the loop has left behind; `None` before its end."""
     bodies: NDArray[np.void]
     """The bodies of a world at the ticks that the last `read` gave: an array with the fields of `palpate.BODIES`. Those that
-    move, and the avatars of the devices."""
+    move, and the proxies of the devices."""
     devices: NDArray[np.void]
     """The devices of a world with several at the ticks that the last `read` gave: an array with the fields of `palpate.DEVICES`. Of
     a loop with one device it is empty: the ticks have all of it."""
     device_names: tuple[str, ...]
     """The names that the devices have in the world, by the field `device`. Of a renderer none."""
     body_names: tuple[str, ...]
-    """The names of a world's bodies by the field `body`; the last are the devices, whose avatars they are. Of a renderer none."""
+    """The names of a world's bodies by the field `body`; the last are the devices, whose proxies they are. Of a renderer none."""
     contact_names: tuple[tuple[str, str], ...]
     """Between which two each contact of a world is, by the field `pair` of its row. Of a renderer none."""
 
@@ -177,7 +177,7 @@ class Loop(Fixed, _palpate.Loop):
     def __new__(
         cls,
         device: Device | Mapping[str, Device],
-        renderer: Renderer | World | _palpate.SlowHost,
+        renderer: Renderer | World | _palpate.LowRateSimulator,
         *,
         record: str | os.PathLike[str] | None = None,
         ring: int = 65536,
@@ -203,18 +203,18 @@ class Loop(Fixed, _palpate.Loop):
             "record": _file(record),
             "scene": None,
         }
-        if not isinstance(renderer, (Renderer, World, _palpate.SlowHost)):
-            raise TypeError(f"renderer is {renderer!r}, but must be a palpate.Renderer, a palpate.World or a palpate.engines.SlowHost")
+        if not isinstance(renderer, (Renderer, World, _palpate.LowRateSimulator)):
+            raise TypeError(f"renderer is {renderer!r}, but must be a palpate.Renderer, a palpate.World or a palpate.engines.LowRateSimulator")
         for one in device.values() if isinstance(device, Mapping) else [device]:
             if not isinstance(one, Device):
                 raise TypeError(f"device is {one!r}, but must be one of palpate.devices, such as palpate.devices.Pointer()")
         rendered: Any = renderer
         parameters: dict[str, Any] = {}
         if not isinstance(renderer, Renderer) and range is not None:
-            kind = "World" if isinstance(renderer, World) else "SlowHost"
+            kind = "World" if isinstance(renderer, World) else "LowRateSimulator"
             raise ValueError(f"range is along the axis of a Renderer's contact, which a {kind} has not")
         if not isinstance(renderer, World) and isinstance(device, Mapping):
-            kind = "Renderer" if isinstance(renderer, Renderer) else "SlowHost"
+            kind = "Renderer" if isinstance(renderer, Renderer) else "LowRateSimulator"
             raise ValueError(f"devices by their names are of a World; a {kind} runs on one device")
         if isinstance(renderer, Renderer):
             if record is not None and not isinstance(device, Mapping):
@@ -230,7 +230,7 @@ class Loop(Fixed, _palpate.Loop):
         made.device_names, made.body_names, made.contact_names = _names(renderer)
         made._parameters = parameters
         made._world = renderer if isinstance(renderer, World) else None
-        made._is_slow = isinstance(renderer, _palpate.SlowHost)
+        made._is_slow = isinstance(renderer, _palpate.LowRateSimulator)
         made._started = made._said = False
         return made
 
@@ -263,9 +263,9 @@ class Loop(Fixed, _palpate.Loop):
             LoopError: Something went wrong, once; `report` has it all.
         """
         _RUNNING.discard(self)
-        (ending, failure, trip, device), counts, (lateness, duration), recorded = super().stop()
+        (ending, failure, safety_stop, device), counts, (lateness, duration), recorded = super().stop()
         made, lost = (None, None) if recorded is None else recorded
-        report = LoopReport(ending, failure, trip, *counts, Spread(*lateness), Spread(*duration), made, lost, device)
+        report = LoopReport(ending, failure, safety_stop, *counts, Spread(*lateness), Spread(*duration), made, lost, device)
         self._found(report=report)
         if failure is not None and not self._said:
             self._said = True
@@ -303,12 +303,12 @@ class Loop(Fixed, _palpate.Loop):
             raise LoopError(f"the loop stands still: no tick within {wait} s, {silent}")
 
     def events(self) -> list[Event]:  # type: ignore[override]
-        """What happened beside the ticks since this was asked last: faults, trips, changes, missed deadlines, the end.
+        """What happened beside the ticks since this was asked last: faults, safety stops, changes, missed deadlines, the end.
 
         The newest 1000 are kept; where older ones are gone, the first event says how many (`kind` is `"lost"`).
         """
-        told, gone = super().events()
-        events = [Event(*event) for event in told]
+        pending, gone = super().events()
+        events = [Event(*event) for event in pending]
         if gone:
             sequence, at = (events[0].sequence, events[0].t_s) if events else (0, 0.0)
             events.insert(0, Event(sequence, at, "lost", f"events before this one that were not read in time: {gone}"))
@@ -340,10 +340,10 @@ class Loop(Fixed, _palpate.Loop):
         Raises:
             ValueError: A value that is not allowed; the period, the side and the limits of the loop do not change.
             RuntimeError: The loop has ended.
-            TypeError: A loop of a SlowHost, which publishes what is rendered; a world for a loop that renders a contact, or not a world; an argument that there is not.
+            TypeError: A loop of a LowRateSimulator, which publishes what is rendered; a world for a loop that renders a contact, or not a world; an argument that there is not.
         """
         if self._is_slow:
-            raise TypeError("what a SlowHost publishes is rendered; its next `publish` changes that")
+            raise TypeError("what a LowRateSimulator publishes is rendered; its next `publish` changes that")
         limits = ("force_limit", "torque_limit", "soft_start")
         if self._world is not None:
             return self._change_world(self._world if world is None else world, changes, limits)
@@ -368,7 +368,7 @@ class Loop(Fixed, _palpate.Loop):
             if name in changes:
                 raise ValueError(f"{name} is a limit of the loop, and stays while it runs; make another Loop")
         if changes:
-            known = ("title", "loop", "devices", "bodies", "contacts", "joints", "render", "told", "measure", "method")
+            known = ("title", "loop", "devices", "bodies", "contacts", "joints", "render", "model", "measure", "method")
             for name in changes:
                 if name not in known:
                     raise TypeError(f"no table of a world is called {name}; it has {', '.join(known)}")
@@ -433,7 +433,7 @@ def _stop_all() -> None:
 atexit.register(_stop_all)
 
 
-def _in_order(device: Device | Mapping[str, Device], renderer: Renderer | World | _palpate.SlowHost) -> list[dict[str, Any]]:
+def _in_order(device: Device | Mapping[str, Device], renderer: Renderer | World | _palpate.LowRateSimulator) -> list[dict[str, Any]]:
     """What is said of each device, in the order of the world's."""
     names = renderer.names()[0] if isinstance(renderer, World) else []
     listed = " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
@@ -454,7 +454,7 @@ def _in_order(device: Device | Mapping[str, Device], renderer: Renderer | World 
 
 
 def _names(
-    renderer: Renderer | World | _palpate.SlowHost,
+    renderer: Renderer | World | _palpate.LowRateSimulator,
 ) -> tuple[tuple[str, ...], tuple[str, ...], tuple[tuple[str, str], ...]]:
     """The names of devices, of bodies and of contacts, by their numbers in rows."""
     if not isinstance(renderer, World):
@@ -505,7 +505,7 @@ def _scene(device: Device, renderer: Renderer) -> str | None:
         },
         "device": table,
         "loop": {"period_s": period},
-        "told": {
+        "model": {
             "delay_s": given["delay"] * period,
             "lag_s": given["lag"],
             "gain": given["gain"],

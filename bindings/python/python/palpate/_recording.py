@@ -77,13 +77,13 @@ class Recording(Table, Report):
     events: list[Event]
     """What happened beside the ticks."""
     bodies: NDArray[np.void]
-    """The bodies of a world at these ticks: an array with the fields of `palpate.BODIES`, those that move and then the avatars
+    """The bodies of a world at these ticks: an array with the fields of `palpate.BODIES`, those that move and then the proxies
     of the devices. Of a recording of one contact it is empty."""
     devices: NDArray[np.void]
     """The devices of a loop that has several at these ticks: an array with the fields of `palpate.DEVICES`. Of a loop with one
     device it is empty: `ticks` have all of it."""
     texts: dict[str, str]
-    """The texts of the receipt, such as `scene`: what made the recording."""
+    """The texts of the metadata, such as `scene`: what made the recording."""
 
     def __init__(
         self,

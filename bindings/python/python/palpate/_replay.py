@@ -43,7 +43,7 @@ def replay(
     gain: float | None = None,
     gain_deviation: float | None = None,
     device_mass: float | None = None,
-    told_device_mass: float | None = None,
+    model_device_mass: float | None = None,
     encoder_quantum: float | None = None,
     **settings: float | str | bool,
 ) -> Any:
@@ -61,7 +61,7 @@ def replay(
         hand_bandwidth: Bandwidth of the hand's force [Hz]. `None`: the one under which the recording is most likely.
         hand_stiffness: Stiffness with which the hand holds on to its recorded motion [N/m]. `None`: 60, which is assumed.
         hand_damping: Damping with which it does [N s/m]. `None`: 2, which is assumed.
-        told_device_mass: Mass of the device as the renderer is told [kg].
+        model_device_mass: Mass of the device as the renderer is told [kg].
         settings: Settings of the methods, such as `damping`.
 
     The other arguments are those of `palpate.Renderer`. `None` leaves what the recording's scene says. Where neither

@@ -27,7 +27,7 @@ def tune(
     steps: int = 400,
     least: str = "error",
 ) -> Report:
-    """Judges a method at values of its damping, over 21 start heights, as `palpate tune` does.
+    """Evaluates a method at values of its damping, over 21 start heights, as `palpate tune` does.
 
     Args:
         scene: A scene, or the path of a scene file.
@@ -52,14 +52,14 @@ def heights(
     scenes: SceneLike | Iterable[SceneLike],
     method: str | Sequence[str] = "all",
     *,
-    told_mass_factor: float = 1.0,
+    model_mass_factor: float = 1.0,
 ) -> Report:
-    """Judges methods on scenes from 21 start heights each, as `palpate heights` does.
+    """Evaluates methods on scenes from 21 start heights each, as `palpate heights` does.
 
     Args:
         scenes: Scenes, or paths of scene files.
         method: Name of a method, of `palpate.METHODS`, several names, or `"all"`.
-        told_mass_factor: Mass of the device that a renderer is told, over the true one.
+        model_mass_factor: Mass of the device that a renderer is told, over the true one.
 
     Returns:
         The report: `scenes`, and of each its `columns`, one for each method.
@@ -68,7 +68,7 @@ def heights(
         ValueError: A scene that cannot be run, or not by a method.
         OSError: A file that cannot be read.
     """
-    return Report._of(_palpate.heights(_scenes(scenes), method, told_mass_factor))
+    return Report._of(_palpate.heights(_scenes(scenes), method, model_mass_factor))
 
 
 def sweep(
@@ -79,7 +79,7 @@ def sweep(
     *,
     heights: bool = False,
 ) -> Report:
-    """Judges methods on a scene at several values of one quantity, as `palpate sweep` does.
+    """Evaluates methods on a scene at several values of one quantity, as `palpate sweep` does.
 
     Args:
         scene: A scene, or the path of a scene file.
@@ -118,7 +118,7 @@ def suite(
     plants: int = 200,
     seeds: int = 1,
 ) -> Report:
-    """Judges methods on plants that are drawn at random, as `palpate suite` does.
+    """Evaluates methods on plants that are drawn at random, as `palpate suite` does.
 
     Args:
         set: Family of plants: `"paper"`, `"desk"`, `"real"`, `"steps"` or `"calibrated"`.
@@ -183,8 +183,8 @@ def map(
     cells: int = 20,
     viscous_friction: float | None = None,
     encoder_quantum: float = 0.0,
-    told_mass: float = 1.0,
-    told_period: float = 1.0,
+    model_mass: float = 1.0,
+    model_period: float = 1.0,
     delay: float = 0.0,
     lag: float = 0.0,
     delay_deviation: float = 0.0,
@@ -198,8 +198,8 @@ def map(
         cells: Cells along each axis, 2 to 1000; the program's default is 100, which takes minutes.
         viscous_friction: Of the damped device [N s/m]; `None`: that of the paper's.
         encoder_quantum: Quantum of the device's position sensor [m].
-        told_mass: Mass of the device that the renderer is told, over the true one.
-        told_period: Period that the renderer is told, over the true one.
+        model_mass: Mass of the device that the renderer is told, over the true one.
+        model_period: Period that the renderer is told, over the true one.
         delay: Time from a sample to the beginning of its force [periods].
         lag: Time constant of the actuator [periods].
         delay_deviation: Standard deviation of the delay in the renderer's model [periods].

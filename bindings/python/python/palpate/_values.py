@@ -22,7 +22,7 @@ class Output(NamedTuple):
     """What the coming interval is predicted to hold: one of `palpate.PHASES`."""
     transition_after: float
     """Instant of the predicted transition, after this sample [s]; 0 where there is none."""
-    placement_shift: float
+    object_shift: float
     """How far `coupled` shifted the object over the last interval [m]; 0 for other methods."""
     limited: tuple[str, ...]
     """Limits that changed the force: of `palpate.LIMITS`, `soft-start`, and `safety-stop`: the loop has
@@ -43,7 +43,7 @@ class Leak(NamedTuple):
 
 
 class Ledger(NamedTuple):
-    """Books of the object's energy, up to the last sample; energy is positive into the object.
+    """EnergyLedger of the object's energy, up to the last sample; energy is positive into the object.
 
     `stored - stored at the start = port_work + virtual_force_work + outside_work + held_leak.accumulated`
     """

@@ -13,14 +13,14 @@ from ._arrays import known, numbers
 from ._fixed import Fixed, question_period
 from ._scene import Tables
 from ._world_values import (
-    BodyBook,
+    BodyLedger,
     BodyState,
-    Books,
-    ContactBook,
+    EnergyLedger,
+    ContactLedger,
     ContactState,
-    DeviceBook,
+    DeviceLedger,
     Effort,
-    JointBook,
+    JointLedger,
     ToolState,
     TurnState,
     WorldOutput,
@@ -82,7 +82,7 @@ class World(Fixed, _palpate.World):
         contacts: Sequence[Tables] | None = None,
         joints: Sequence[Tables] | None = None,
         render: Tables | None = None,
-        told: Tables | None = None,
+        model: Tables | None = None,
         measure: Tables | None = None,
         method: str | None = None,
         force_limit: float | None = None,
@@ -97,7 +97,7 @@ class World(Fixed, _palpate.World):
             "contact": contacts,
             "joint": joints,
             "render": render,
-            "told": told,
+            "model": model,
             "measure": measure,
         }
         made_by = {
@@ -222,23 +222,23 @@ class World(Fixed, _palpate.World):
         )
 
     @property
-    def books(self) -> Books:
+    def ledger(self) -> EnergyLedger:
         """The books of energy as of the last sample."""
-        contacts, bodies, devices, joints = _palpate.world_books(self)
-        return Books(
-            tuple(ContactBook((between[0], between[1]), *entries) for between, entries in contacts),
-            {name: BodyBook(*entries) for name, entries in zip(self._bodies, bodies)},
-            {name: DeviceBook(*entries) for name, entries in zip(self._devices, devices)},
-            tuple(JointBook((between[0], between[1]), kind, *entries) for between, kind, entries in joints),
+        contacts, bodies, devices, joints = _palpate.world_ledger(self)
+        return EnergyLedger(
+            tuple(ContactLedger((between[0], between[1]), *entries) for between, entries in contacts),
+            {name: BodyLedger(*entries) for name, entries in zip(self._bodies, bodies)},
+            {name: DeviceLedger(*entries) for name, entries in zip(self._devices, devices)},
+            tuple(JointLedger((between[0], between[1]), kind, *entries) for between, kind, entries in joints),
         )
 
     @property
     def output(self) -> WorldOutput | None:
         """What was answered to the last sample; `None` before the first."""
-        told = self.told()
-        if told is None:
+        result = self.result()
+        if result is None:
             return None
-        forces, limited, effort, fault, faulty = told
+        forces, limited, effort, fault, faulty = result
         return WorldOutput(forces, tuple(limited), Effort(*effort), fault, faulty)
 
     def add(
@@ -267,7 +267,7 @@ class World(Fixed, _palpate.World):
         soft_start: float | None = None,
         **tables: Any,
     ) -> World:
-        """A new world with other values, at its start: of `title`, `loop`, `render`, `told` and `measure`, by
+        """A new world with other values, at its start: of `title`, `loop`, `render`, `model` and `measure`, by
         key, and `devices`, `bodies`, `contacts` and `joints` as wholes; and with another method or other limits.
 
             world.replace(loop={"period_s": 0.004}, method="basic")

@@ -32,7 +32,7 @@ class WorldOutput(NamedTuple):
     sample. Where a device that gives a torque is among them, each row has the torque about the mass centre [N m] behind
     the force, 0 for a device that gives none."""
     limited: tuple[str, ...]
-    """Limits that acted: `force`, `torque`, `offset` of an avatar, `guard`, `soft-start`, and `safety-stop`:
+    """Limits that acted: `force`, `torque`, `offset` of a proxy, `guard`, `soft-start`, and `safety-stop`:
     the loop has created energy, and all forces stay 0 until `reset()`."""
     effort: Effort
     """What the tick has cost."""
@@ -61,14 +61,14 @@ class TurnState(NamedTuple):
 
     orientation: NDArray[np.float64]
     """Unit quaternion [w, x, y, z] that turns the tool's own axes into those of the world, by what the method knows."""
-    avatar_orientation: NDArray[np.float64]
-    """The same of the avatar."""
+    proxy_orientation: NDArray[np.float64]
+    """The same of the proxy."""
     angular_velocity: Vector
     """Angular velocity of the device [rad/s]."""
     offset: Vector
-    """Rotation vector that turns the device into the avatar [rad]."""
+    """Rotation vector that turns the device into the proxy [rad]."""
     momentum_offset: Vector
-    """Angular momentum of the avatar less that of the device [N m s]."""
+    """Angular momentum of the proxy less that of the device [N m s]."""
     torque: Vector
     """Torque about the mass centre that the method asked for at this sample [N m], before the soft start."""
     inertia: Vector | None
@@ -83,14 +83,14 @@ class ToolState(NamedTuple):
     """Where the device is, by what the method knows [m]."""
     velocity: Vector
     """Velocity of the device [m/s]."""
-    avatar_position: Vector
+    proxy_position: Vector
     """What the world meets in the device's place: its position [m]."""
-    avatar_velocity: Vector
-    """Velocity of the avatar [m/s]."""
+    proxy_velocity: Vector
+    """Velocity of the proxy [m/s]."""
     offset: Vector
-    """Position of the avatar less that of the device [m]."""
+    """Position of the proxy less that of the device [m]."""
     velocity_offset: Vector
-    """Velocity of the avatar less that of the device [m/s]."""
+    """Velocity of the proxy less that of the device [m/s]."""
     force: Vector
     """Force that the method asked for at this sample [N], before the soft start."""
     mass: Vector | None
@@ -118,7 +118,7 @@ class ContactState(NamedTuple):
     """Deflection of the bristle of friction [m]."""
 
 
-class ContactBook(NamedTuple):
+class ContactLedger(NamedTuple):
     """Energy at a contact over all intervals that have ended [J].
 
     `stored = stored at the start + observed + handed - work - dissipated + step_error`
@@ -132,12 +132,12 @@ class ContactBook(NamedTuple):
     """What damping and friction took: never falls."""
     work: float
     """Work of the contact on both of its sides."""
-    work_on_avatar: float
-    """Work of the contact on the tool's avatar, if one of its sides is a tool."""
+    work_on_proxy: float
+    """Work of the contact on the tool's proxy, if one of its sides is a tool."""
     held: float
     """Work of the contact's mean force on the device itself."""
     observed: float
-    """What the stored energy changed by because a sample put the avatar elsewhere."""
+    """What the stored energy changed by because a sample put the proxy elsewhere."""
     step_error: float
     """What finite sub-steps have made (positive) or lost."""
     handed: float
@@ -146,10 +146,10 @@ class ContactBook(NamedTuple):
     @property
     def leak(self) -> float:
         """Energy that holding gave to the hand beyond the contact's own work [J]."""
-        return self.held - self.work_on_avatar
+        return self.held - self.work_on_proxy
 
 
-class JointBook(NamedTuple):
+class JointLedger(NamedTuple):
     """Energy of a joint over all intervals that have ended [J].
 
     `stored = stored at the start - work - dissipated + step_error`
@@ -169,7 +169,7 @@ class JointBook(NamedTuple):
     """What finite sub-steps have made (positive) or lost."""
 
 
-class BodyBook(NamedTuple):
+class BodyLedger(NamedTuple):
     """Energy of a body over all intervals that have ended [J].
 
     `kinetic + potential = the same at the start + work + outside + step_error`
@@ -187,7 +187,7 @@ class BodyBook(NamedTuple):
     """What finite sub-steps have made (positive) or lost."""
 
 
-class DeviceBook(NamedTuple):
+class DeviceLedger(NamedTuple):
     """Energy at the port of a device over all intervals that have ended [J]; positive to the hand.
 
     `port_work = held + unforeseen`
@@ -200,23 +200,23 @@ class DeviceBook(NamedTuple):
     unforeseen: float
     """What the two differ by."""
     offset: float
-    """Work of the hand on the avatar less that on the device."""
+    """Work of the hand on the proxy less that on the device."""
     velocity_offset: float
-    """By how much more kinetic energy the avatar has gained than the device."""
+    """By how much more kinetic energy the proxy has gained than the device."""
     unpaid: float
     """Work that the mean force of the contacts does on the device and the force that was asked for does not."""
     walked_back: float
     """Work of the hand on the offset as it went back to zero, while nothing touched the tool."""
 
 
-class Books(NamedTuple):
+class EnergyLedger(NamedTuple):
     """The books of a world's energy."""
 
-    contacts: tuple[ContactBook, ...]
+    contacts: tuple[ContactLedger, ...]
     """Of each point of contact, in the order of `World.contacts`."""
-    bodies: Mapping[str, BodyBook]
+    bodies: Mapping[str, BodyLedger]
     """Of each body, by its name."""
-    devices: Mapping[str, DeviceBook]
+    devices: Mapping[str, DeviceLedger]
     """Of each device, by its name."""
-    joints: tuple[JointBook, ...]
+    joints: tuple[JointLedger, ...]
     """Of each joint, in the order of the world."""

@@ -105,9 +105,9 @@ class Pointer(Device):
         """
         self._hand.move_to(target)
 
-    def let_go(self) -> None:
+    def disable_output(self) -> None:
         """Lets go of the device."""
-        self._hand.let_go()
+        self._hand.disable_output()
 
     @property
     def target(self) -> float | None:
@@ -171,9 +171,9 @@ class PointerInWorld(Device):
             raise ValueError(f"target has the shape {given.shape}, but must have (3,): x, y, z")
         self._hand.move_to(given.tolist())
 
-    def let_go(self) -> None:
+    def disable_output(self) -> None:
         """Lets go of the device."""
-        self._hand.let_go()
+        self._hand.disable_output()
 
     @property
     def target(self) -> tuple[float, float, float] | None:
@@ -231,7 +231,7 @@ class Simulated(Device):
 class TwoDiy(Device):
     """A Haply 2DIY on a serial port, or `palpate emulate haply-2diy`.
 
-    The board holds its last torque until it is told another one. A guardian, a process beside this one, takes that torque
+    The board holds its last torque until it is told another one. A watchdog, a process beside this one, takes that torque
     off when this process is killed or hangs. Read `docs/devices/haply-2diy.md` first.
 
     Args:
@@ -245,7 +245,7 @@ class TwoDiy(Device):
         normal: Direction in which the contact's coordinate grows; `None`: away from the base. Not for a world.
         world_axes: Which axis of the world each of its two is, such as `["x", "-z"]`, with - where it points the other
             way; `None`: x and y. Along the third the tool stays where it begins. For a world only.
-        guardian: Whether there is a guardian.
+        watchdog: Whether there is a watchdog.
     """
 
     def __init__(
@@ -258,7 +258,7 @@ class TwoDiy(Device):
         origin: Sequence[float] | None = None,
         normal: Sequence[float] | None = None,
         world_axes: Sequence[str] | None = None,
-        guardian: bool = True,
+        watchdog: bool = True,
     ) -> None:
         self._values: dict[str, Any] = {
             "port": port,
@@ -268,7 +268,7 @@ class TwoDiy(Device):
             "origin": None if origin is None else row("origin", origin),
             "normal": None if normal is None else row("normal", normal),
             "world_axes": None if world_axes is None else list(world_axes),
-            "guardian": _guardian() if guardian else None,
+            "watchdog": __watchdog() if watchdog else None,
         }
 
     def _given(self) -> dict[str, Any]:
@@ -324,8 +324,8 @@ module.guard()
 """
 
 
-def _guardian() -> list[str]:
-    """The command that serves as a guardian."""
+def __watchdog() -> list[str]:
+    """The command that serves as a watchdog."""
     if not sys.executable or _palpate.__file__ is None:
         return []
     return [sys.executable, "-I", "-S", "-c", _SERVE, _palpate.__file__]

@@ -188,8 +188,8 @@ class MapStudy(Study):
         for path in self._whole(folder):
             rows = zip(*(pyarrow.parquet.read_table(path)[name].to_pylist() for name in columns))
             lines = [",".join("" if cell is None else str(cell) for cell in row) for row in rows]
-            receipt = [(key, value) for key, value in _said(path)["receipt"]]
-            parts.append((str(path), (receipt, lines)))
+            metadata = [(key, value) for key, value in _said(path)["metadata"]]
+            parts.append((str(path), (metadata, lines)))
         return Map._of_map(_palpate.map_of_parts(parts))
 
     def _parameters(self) -> dict[str, Any]:
@@ -197,10 +197,10 @@ class MapStudy(Study):
         return {"study": "map", "method": method, "arguments": self.arguments}
 
     def _compute(self, part: int) -> tuple[Mapping[str, Any], dict[str, Any]]:
-        receipt, lines = _palpate.map_part(self.method, self.arguments, part, self.parts)
+        metadata, lines = _palpate.map_part(self.method, self.arguments, part, self.parts)
         names = _palpate.map_columns()
         columns = dict(zip(names, zip(*(line.split(",") for line in lines))))
-        return {name: _column(name, column) for name, column in columns.items()}, {"receipt": receipt}
+        return {name: _column(name, column) for name, column in columns.items()}, {"metadata": metadata}
 
 
 class SuiteStudy(Study):
@@ -252,7 +252,7 @@ class SuiteStudy(Study):
         return table, {}
 
 
-_NUMBERS = ("ideal_error", "mean_force_error_percent", "error_over_floor", "peak_over_ideal_peak")
+_NUMBERS = ("ideal_error", "mean_force_error_percent", "error_over_bound", "peak_over_ideal_peak")
 _COUNTS = ("diverged", "samples", "limited")
 
 

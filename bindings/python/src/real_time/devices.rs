@@ -57,8 +57,8 @@ impl Hand {
     }
 
     /// Releases the device.
-    fn let_go(&self) {
-        self.0.let_go();
+    fn disable_output(&self) {
+        self.0.disable_output();
     }
 
     /// Target `[m]`; None if the device is released.
@@ -102,7 +102,7 @@ pub struct TwoDiyGiven {
     pub board: Option<String>,
     pub start_pose: StartPose,
     /// Command of the watchdog process; None: no watchdog process.
-    pub guardian: Option<Vec<String>>,
+    pub watchdog: Option<Vec<String>>,
 }
 
 /// Pose of the arm while it is opened.

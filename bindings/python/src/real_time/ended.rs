@@ -21,7 +21,7 @@ pub struct Ended {
     refused: u64,
     motors_off: u64,
     pub cuts: u64,
-    trip: Option<String>,
+    safety_stop: Option<String>,
     /// Name of the device that caused the safety stop, if there are several.
     device: Option<String>,
     /// Median, 99 % and longest lateness of a tick `[s]`.
@@ -34,7 +34,7 @@ pub struct Ended {
 /// Ending, failure, safety stop and its device if there are several; ticks, missed deadlines, ticks without a
 /// sample, ticks with a rejected sample, ticks with disabled motors, cuts; lateness, duration; ticks in the
 /// recording and missing ticks.
-pub type ToldEnd = (
+pub type EndValues = (
     (
         Option<&'static str>,
         Option<String>,
@@ -58,7 +58,7 @@ impl Ended {
             refused: 0,
             motors_off: 0,
             cuts: 0,
-            trip: None,
+            safety_stop: None,
             device: None,
             lateness: [0.0; 3],
             duration: [0.0; 3],
@@ -71,8 +71,8 @@ impl Ended {
         end: &LoopEnd<Box<dyn Device>, MonotonicClock, R>,
         names: &[String],
     ) -> Self {
-        let tripped = end.control.tripped_device();
-        let device = tripped.and_then(|(device, _)| names.get(device));
+        let stopped = end.control.stopped_device();
+        let device = stopped.and_then(|(device, _)| names.get(device));
         let statistics = &end.statistics;
         let spread = |durations: &Durations| {
             [
@@ -101,7 +101,7 @@ impl Ended {
             refused: statistics.refused,
             motors_off: statistics.motors_off,
             cuts: end.cuts,
-            trip: end.trip.map(|trip| trip.to_string()),
+            safety_stop: end.safety_stop.map(|safety_stop| safety_stop.to_string()),
             device: device.cloned(),
             lateness: spread(&statistics.lateness),
             duration: spread(&statistics.tick),
@@ -142,12 +142,12 @@ impl Ended {
     }
 
     /// Converts to the tuple for Python.
-    pub fn told(self) -> ToldEnd {
+    pub fn messages(self) -> EndValues {
         (
             (
                 self.ending.map(Ending::text),
                 self.failure,
-                self.trip,
+                self.safety_stop,
                 self.device,
             ),
             (

@@ -6,7 +6,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use palpate_record::recording::{ContactTick, Event, Flags, Row, Tick, columns};
-use palpate_rt::{Listener, Tap, Told};
+use palpate_rt::{Listener, Message, Tap};
 
 use crate::columns::Words;
 use crate::recording::{body, device, word};
@@ -65,7 +65,7 @@ pub struct Standing {
     /// Time since the last tick was received `[s]`; `None` before the first.
     pub silent: Option<f64>,
     /// Whether a safety stop disabled the motors at the end of the last tick.
-    pub tripped: bool,
+    pub stopped: bool,
 }
 
 impl Heard {
@@ -106,8 +106,8 @@ impl Heard {
         let mut ring = self.ring();
         let gone = std::mem::take(&mut ring.events_gone);
         let events = std::mem::take(&mut ring.events).into_iter();
-        let told = events.map(|event| (event.sequence, event.time, event.kind, event.text));
-        (told.collect(), gone)
+        let messages = events.map(|event| (event.sequence, event.time, event.kind, event.text));
+        (messages.collect(), gone)
     }
 
     /// Returns the state of the ring.
@@ -117,9 +117,9 @@ impl Heard {
             ticks: ring.made,
             lost: ring.overwritten + ring.made.saturating_sub(ring.came),
             silent: ring.last.map(|(at, _)| at.elapsed().as_secs_f64()),
-            tripped: ring
+            stopped: ring
                 .last
-                .is_some_and(|(_, tick)| tick.flags.has(Flags::SAFETY_TRIPPED)),
+                .is_some_and(|(_, tick)| tick.flags.has(Flags::SAFETY_STOPPED)),
         }
     }
 
@@ -181,7 +181,7 @@ pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard)
         let is_last = listener.is_closed();
         let mut rested = true;
         for _ in 0..AT_ONCE {
-            let Some(told) = listener.next() else {
+            let Some(messages) = listener.next() else {
                 break;
             };
             rested = false;
@@ -190,8 +190,8 @@ pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard)
                 recording.name_devices(listener.device_names().to_vec());
                 are_named = true;
             }
-            match told {
-                Told::Tick(tick, contacts, bodies, devices) => {
+            match messages {
+                Message::Tick(tick, contacts, bodies, devices) => {
                     came += 1;
                     news.lost = tick.sequence + 1 - came;
                     news.last = Some(tick);
@@ -213,7 +213,7 @@ pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard)
                         devices: devices.iter().flat_map(device).collect(),
                     });
                 }
-                Told::Note(noted) => {
+                Message::Note(noted) => {
                     if let Some(recording) = &mut recording {
                         recording.note(&noted);
                     }

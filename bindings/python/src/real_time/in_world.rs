@@ -60,8 +60,8 @@ impl HandInWorld {
     }
 
     /// Releases the device.
-    fn let_go(&self) {
-        self.0.let_go();
+    fn disable_output(&self) {
+        self.0.disable_output();
     }
 
     /// Sets the target orientation of a device of six axes, a quaternion `[w, x, y, z]` of any length above 0; None:

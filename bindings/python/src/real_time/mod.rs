@@ -6,15 +6,15 @@ mod ended;
 mod heard;
 mod held;
 mod in_world;
+mod low_rate_simulator;
 mod options;
 mod prepared;
-mod slow_host;
 #[cfg(unix)]
 mod two_diy;
 
 pub use devices::Hand;
 pub use in_world::HandInWorld;
-pub use slow_host::SlowHost;
+pub use low_rate_simulator::LowRateSimulator;
 #[cfg(unix)]
 pub use two_diy::guard;
 
@@ -35,11 +35,11 @@ use crate::names::refused;
 use crate::renderer::rendering;
 use crate::world::PyWorld;
 use control::{Control, Running};
-use ended::{Closed, Ended, ToldEnd};
+use ended::{Closed, EndValues, Ended};
 use heard::{Events, Heard, Rows, listen};
 use held::Held;
 use options::Options;
-use prepared::{Beside, Prepared, prepare_contact, prepare_slow_host, prepare_world};
+use prepared::{Beside, Prepared, prepare_contact, prepare_low_rate_simulator, prepare_world};
 
 /// Capacity of the queue to the listener thread [ticks]: 4 s at 4 kHz.
 const ROOM: usize = 1 << 14;
@@ -126,8 +126,8 @@ impl RealTimeLoop {
         let clock = MonotonicClock::new().with_spin(options.checked_spin()?);
         let prepared = if let Ok(world) = rendered.cast::<PyWorld>() {
             prepare_world(py, &devices, &world.borrow(), clock, &options)?
-        } else if let Ok(host) = rendered.cast::<SlowHost>() {
-            prepare_slow_host(py, &devices, host.get(), clock, &options)?
+        } else if let Ok(host) = rendered.cast::<LowRateSimulator>() {
+            prepare_low_rate_simulator(py, &devices, host.get(), clock, &options)?
         } else {
             prepare_contact(py, &devices, rendered, clock, &options)?
         };
@@ -136,8 +136,8 @@ impl RealTimeLoop {
             period,
             devices,
             in_world,
-            slow_host,
-            receipt,
+            low_rate_simulator,
+            metadata,
             names,
             runs_on,
             largest_force,
@@ -145,14 +145,14 @@ impl RealTimeLoop {
         let request = options.request();
         let (recording, recorder) = match &options.record {
             Some(path) => {
-                let (tap, recorder) = Recorder::begin(path, &receipt)
+                let (tap, recorder) = Recorder::begin(path, &metadata)
                     .map_err(|error| PyOSError::new_err(error.to_string()))?;
                 (Some(tap), Some(recorder))
             }
             None => (None, None),
         };
         let heard = Arc::new(Heard::new(options.ring));
-        if let (Some(own), Ok(host)) = (slow_host, rendered.cast::<SlowHost>()) {
+        if let (Some(own), Ok(host)) = (low_rate_simulator, rendered.cast::<LowRateSimulator>()) {
             host.get().belong(own, Arc::clone(&heard))?;
         }
         let (tap, listener) = tap(ROOM);
@@ -214,7 +214,7 @@ impl RealTimeLoop {
                 .spawn(move || listen(listening.listener, listening.recording, &heard))
                 .map_err(no_thread)?;
             let thread = control.start(request).map_err(no_thread)?;
-            let answers = thread.answers().iter().map(told_answer).collect();
+            let answers = thread.answers().iter().map(answer_values).collect();
             *stage = Stage::Runs(Box::new(Runs {
                 thread,
                 recorder,
@@ -226,9 +226,9 @@ impl RealTimeLoop {
     }
 
     /// Stops the loop, waits until zero force is commanded and the outputs are disabled, and returns the result.
-    fn stop(&self, py: Python<'_>) -> PyResult<ToldEnd> {
+    fn stop(&self, py: Python<'_>) -> PyResult<EndValues> {
         self.check_process()?;
-        Ok(py.detach(|| self.end()).told())
+        Ok(py.detach(|| self.end()).messages())
     }
 
     /// Changes the parameters from the next tick on and returns their number.
@@ -328,7 +328,7 @@ impl RealTimeLoop {
             heard.lost,
             heard.silent,
             cuts,
-            heard.tripped,
+            heard.stopped,
             self.held.iter().map(Held::force).collect(),
         ))
     }
@@ -425,7 +425,7 @@ impl Drop for RealTimeLoop {
     }
 }
 
-fn told_answer(answer: &Answer) -> (String, bool, String) {
+fn answer_values(answer: &Answer) -> (String, bool, String) {
     (
         answer.asked.clone(),
         answer.is_granted(),

@@ -4,9 +4,9 @@ use std::slice;
 use std::time::Duration;
 
 use palpate_device::clock::MonotonicClock;
-use palpate_record::recording::Receipt;
+use palpate_record::recording::RecordingMetadata;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, OnDevice, changing_world, receipt, receipt_of_devices};
+use palpate_rt::{ControlLoop, OnDevice, changing_world, metadata, metadata_of_devices};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -17,8 +17,8 @@ use super::devices::{Opened, open};
 use super::ended::Closed;
 use super::held::Held;
 use super::in_world::{self, OpenedInWorld};
+use super::low_rate_simulator::LowRateSimulator;
 use super::options::Options;
-use super::slow_host::SlowHost;
 use crate::names::refused;
 use crate::renderer::rendering;
 use crate::world::PyWorld;
@@ -34,9 +34,9 @@ pub struct Prepared {
     /// Change channel of the world, and its devices.
     pub in_world: Option<InWorld>,
     /// Simulator side of the local model.
-    pub slow_host: Option<palpate_rt::SlowHost>,
+    pub low_rate_simulator: Option<palpate_rt::LowRateSimulator>,
     /// Metadata for a recording.
-    pub receipt: Receipt,
+    pub metadata: RecordingMetadata,
     /// Names of several devices in the world.
     pub names: Vec<String>,
     /// Description of the devices.
@@ -88,16 +88,16 @@ pub fn prepare_contact(
     let capabilities = device.capabilities().clone();
     let limits = options.limits(&capabilities, setup.loop_params.force_limit, soft_start);
     let control = ControlLoop::new(device, clock, rendering, limits).map_err(refused)?;
-    let receipt = receipt(VERSION, &capabilities, &limits, &options.request());
+    let metadata = metadata(VERSION, &capabilities, &limits, &options.request());
     Ok(Prepared {
         control: Control::Contact(Box::new(control.along(axis))),
         period: seconds,
         devices: vec![Beside { held, closed }],
         in_world: None,
-        slow_host: None,
-        receipt: match &options.scene {
-            Some(text) => receipt.with("scene", text),
-            None => receipt,
+        low_rate_simulator: None,
+        metadata: match &options.scene {
+            Some(text) => metadata.with("scene", text),
+            None => metadata,
         },
         names: Vec::new(),
         runs_on: capabilities.name,
@@ -162,7 +162,7 @@ pub fn prepare_world(
     let (worlds, rendered) = changing_world(scene.world.clone(), rendered);
     let control = ControlLoop::of_changing_devices(driven, clock, rendered);
     let control = control.map_err(refused)?;
-    let receipt = receipt_of_devices(VERSION, &on, &options.request());
+    let metadata = metadata_of_devices(VERSION, &on, &options.request());
     let are_several = on.len() > 1;
     let runs_on = on.iter().map(|on| {
         let kind = &on.capabilities.name;
@@ -177,7 +177,7 @@ pub fn prepare_world(
         control: Control::World(Box::new(control)),
         period: seconds,
         devices: beside,
-        receipt: receipt
+        metadata: metadata
             .with("world", world.text())
             .with("method", &format!("name = \"{}\"\n", world.method)),
         names: on
@@ -188,21 +188,21 @@ pub fn prepare_world(
         runs_on: runs_on.collect::<Vec<_>>().join(", "),
         largest_force: most.fold(0.0, f64::max),
         in_world: Some(InWorld { worlds, on }),
-        slow_host: None,
+        low_rate_simulator: None,
     })
 }
 
 /// Prepares a loop of a low-rate simulator's local model on one device.
-pub fn prepare_slow_host(
+pub fn prepare_low_rate_simulator(
     py: Python<'_>,
     devices: &[Bound<'_, PyDict>],
-    host: &SlowHost,
+    host: &LowRateSimulator,
     clock: MonotonicClock,
     options: &Options,
 ) -> PyResult<Prepared> {
     let [device] = devices else {
         return Err(refused(format!(
-            "{} devices; a SlowHost has one tool",
+            "{} devices; a LowRateSimulator has one tool",
             devices.len()
         )));
     };
@@ -215,14 +215,20 @@ pub fn prepare_slow_host(
         held,
         closed,
         ..
-    } = in_world::open(py, device, (SlowHost::TOOL, &own), clock, (period, silence))?;
+    } = in_world::open(
+        py,
+        device,
+        (LowRateSimulator::TOOL, &own),
+        clock,
+        (period, silence),
+    )?;
     let capabilities = device.capabilities().clone();
     let (force_limit, soft_start) = host.limits();
     let limits = options.limits(&capabilities, force_limit, soft_start);
-    let (slow_host, rendered) = host.ends(frame)?;
+    let (low_rate_simulator, rendered) = host.ends(frame)?;
     let control = ControlLoop::of_local_world(device, clock, rendered, limits).map_err(refused)?;
     let on = OnDevice {
-        name: SlowHost::TOOL.to_owned(),
+        name: LowRateSimulator::TOOL.to_owned(),
         capabilities,
         limits,
         frame,
@@ -232,8 +238,8 @@ pub fn prepare_slow_host(
         period: host.period(),
         devices: vec![Beside { held, closed }],
         in_world: None,
-        slow_host: Some(slow_host),
-        receipt: receipt_of_devices(VERSION, slice::from_ref(&on), &options.request()),
+        low_rate_simulator: Some(low_rate_simulator),
+        metadata: metadata_of_devices(VERSION, slice::from_ref(&on), &options.request()),
         names: Vec::new(),
         runs_on: on.capabilities.name,
         largest_force: limits.largest_force,

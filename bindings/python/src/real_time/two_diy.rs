@@ -7,7 +7,9 @@ use std::time::Duration;
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_devices::Axis;
-use palpate_devices::two_diy::{Guard, LetGo, OpenError, PortError, Setup, identity, usual_axis};
+use palpate_devices::two_diy::{
+    DisableOutput, Guard, OpenError, PortError, Setup, identity, usual_axis,
+};
 use palpate_haply::two_diy::{Board, Calibration, Generation};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -56,7 +58,7 @@ pub fn two_diy(
             }
         },
     };
-    let guard = match given.guardian.as_deref() {
+    let guard = match given.watchdog.as_deref() {
         None => None,
         Some([program, arguments @ ..]) => {
             let mut command = Command::new(program);
@@ -69,7 +71,7 @@ pub fn two_diy(
         }
         Some([]) => {
             return Err(refused(
-                "sys.executable names no Python to run the guardian; guardian=False goes without one",
+                "sys.executable names no Python to run the watchdog; watchdog=False goes without one",
             ));
         }
     };
@@ -84,7 +86,7 @@ pub fn two_diy(
     let identity = setup.port.as_deref().map(identity);
     let device = setup.open(period, clock, guard).map_err(not_opened)?;
     let closed = Arc::clone(closed);
-    let device = LetGo::new(device, move |not| {
+    let device = DisableOutput::new(device, move |not| {
         let _ = closed.set(not.error.to_string());
     });
     Ok((Box::new(device), usual_axis(generation), identity))
@@ -99,8 +101,8 @@ fn not_opened(error: OpenError) -> PyErr {
         OpenError::Port(error @ PortError::SeveralLikely(_)) => {
             refused(format!("{error}; port names one"))
         }
-        OpenError::Guardian(_) => {
-            PyOSError::new_err(format!("{error}; guardian=False goes without one"))
+        OpenError::Watchdog(_) => {
+            PyOSError::new_err(format!("{error}; watchdog=False goes without one"))
         }
         OpenError::Port(_) | OpenError::Device(_) => PyOSError::new_err(error.to_string()),
     }
@@ -109,5 +111,5 @@ fn not_opened(error: OpenError) -> PyErr {
 /// Runs the watchdog process of a device that holds its last force; standard input is the loop's socket.
 #[pyfunction]
 pub fn guard() -> PyResult<()> {
-    palpate_rt::guardian::serve().map_err(|error| PyOSError::new_err(error.to_string()))
+    palpate_rt::watchdog::serve().map_err(|error| PyOSError::new_err(error.to_string()))
 }

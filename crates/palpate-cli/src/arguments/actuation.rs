@@ -33,13 +33,13 @@ pub struct ActuationFlags {
     /// Model value of the delay, in periods; simulate and tune only, whose actuator has its own delay [default: the
     /// true one, or the scene's]
     #[arg(long, value_name = "PERIODS", value_parser = number, allow_hyphen_values = true)]
-    pub told_delay: Option<f64>,
+    pub model_delay: Option<f64>,
     /// Model value of the lag [s]; simulate and tune only [default: the true one, or the scene's]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
-    pub told_lag: Option<f64>,
+    pub model_lag: Option<f64>,
     /// Model value of the gain; simulate and tune only [default: the true one, or the scene's]
     #[arg(long, value_name = "FACTOR", value_parser = number, allow_hyphen_values = true)]
-    pub told_gain: Option<f64>,
+    pub model_gain: Option<f64>,
     /// Model value of the first resonance of a flexible transmission, with free motor and free handle [Hz]; needs
     /// --resonance-damping-ratio and --flexible-mass-fraction, or those of a scene or a device file [default: none, or
     /// the scene's]

@@ -169,7 +169,7 @@ impl PartFlags {
     }
 
     /// Returns the metadata entries of the part.
-    pub fn receipt(self) -> impl Iterator<Item = (String, String)> {
+    pub fn metadata(self) -> impl Iterator<Item = (String, String)> {
         let line = |(name, time): (&str, Option<f64>)| {
             time.map(|time| (name.to_owned(), time.to_string()))
         };

@@ -189,7 +189,7 @@ pub struct Flags {
         allow_hyphen_values = true,
         help_heading = "Device"
     )]
-    pub told_device_mass: Option<f64>,
+    pub model_device_mass: Option<f64>,
     /// Quantum of the device's position sensor [m]; simulate applies it, a recording or a pipe contains it already
     #[arg(
         long,

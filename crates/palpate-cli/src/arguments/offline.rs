@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 use palpate_scene::HandForceAt;
-use palpate_study::suite::MOST_PLANTS;
+use palpate_study::suite::MAX_PLANTS;
 use palpate_study::sweep::Quantity;
 
 use super::{
@@ -203,7 +203,7 @@ pub struct SuiteArguments {
     pub set: PlantSet,
     /// Number of plants
     #[arg(long, value_name = "COUNT", default_value_t = 200,
-          value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PLANTS)))]
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PLANTS)))]
     pub plants: u32,
     /// Seed of the random numbers
     #[arg(long, value_name = "SEED", default_value_t = 1, value_parser = whole::<u64>)]
@@ -242,7 +242,7 @@ pub struct HeightsArguments {
     /// Factor on the renderer's model value of the device mass, relative to the effective mass
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = number,
           allow_hyphen_values = true)]
-    pub told_mass_factor: f64,
+    pub model_mass_factor: f64,
     /// Compared methods.
     #[command(flatten)]
     pub compared: Compared,

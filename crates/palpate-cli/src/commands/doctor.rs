@@ -38,10 +38,10 @@ pub fn run(arguments: &DoctorArguments) -> Result<(), Failure> {
     let clock = MonotonicClock::new().with_spin(spin);
     let measured = measure(&clock, request, RATE, SECONDS)?;
     #[cfg(unix)]
-    let guardian = crate::devices::guarding::command();
+    let watchdog = crate::devices::guarding::command();
     #[cfg(not(unix))]
-    let guardian = Err(io::ErrorKind::Unsupported.into());
-    let report = MachineReport::new(&answers, measured, guardian);
+    let watchdog = Err(io::ErrorKind::Unsupported.into());
+    let report = MachineReport::new(&answers, measured, watchdog);
     drop(progress);
     print_report(&report, arguments.json)
 }

@@ -44,8 +44,8 @@ pub fn close_loop(
         recording: recorded.recording,
         at_its_instants: recorded.at_its_instants,
     };
-    let told = (setup, &model, stated.is_assumed());
-    let (runs, beyond) = close(&recording, told, (methods, settings), tell_step(progress))
+    let model = (setup, &model, stated.is_assumed());
+    let (runs, beyond) = close(&recording, model, (methods, settings), tell_step(progress))
         .map_err(|error| wrong_hand(recorded.name, error, failure))?;
     warn_beyond_reach(&beyond);
     Ok(runs)

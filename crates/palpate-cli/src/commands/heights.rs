@@ -12,10 +12,10 @@ use crate::results::print_report;
 
 /// Evaluates every column on every scene.
 pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
-    let factor = arguments.told_mass_factor;
+    let factor = arguments.model_mass_factor;
     if !(factor.is_finite() && factor > 0.0) {
         return Err(Failure::Arguments(format!(
-            "--told-mass-factor is {factor}, but must be finite and greater than 0"
+            "--model-mass-factor is {factor}, but must be finite and greater than 0"
         )));
     }
     let columns = arguments.compared.columns()?;
@@ -30,7 +30,7 @@ pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
         progress.begin(&file.scene.title);
         let mut scene = file.scene.clone();
         if factor != 1.0 {
-            scene.told_device_mass = Some(factor * scene.device.mass());
+            scene.model_device_mass = Some(factor * scene.device.mass());
         }
         let found =
             over_heights(&scene, &columns, || progress.advance()).map_err(|error| match error {

@@ -31,11 +31,11 @@ pub fn run(arguments: &InfoArguments) -> Result<(), Failure> {
     let recording = open(&arguments.recording)?;
     if let Some(name) = &arguments.text {
         drop(progress);
-        let texts = &recording.receipt.texts;
+        let texts = &recording.metadata.texts;
         let text = texts.get(name).ok_or_else(|| {
             let names: Vec<&str> = texts.keys().map(String::as_str).collect();
             Failure::Arguments(format!(
-                "--text: the receipt has no text called {name}; it has {}",
+                "--text: the metadata has no text called {name}; it has {}",
                 if names.is_empty() {
                     "none".into()
                 } else {

@@ -53,7 +53,7 @@ pub struct DeviceArguments {
     /// Watchdog process that disables the output if this program is killed, stopped or hangs, for a device that holds
     /// its last force (haply-2diy) [default: on]
     #[arg(long, value_name = "on|off", value_enum)]
-    pub guardian: Option<OnOff>,
+    pub watchdog: Option<OnOff>,
     /// Flags of the Inverse3.
     #[command(flatten)]
     pub inverse3: Inverse3Arguments,
@@ -100,7 +100,7 @@ pub enum OnOff {
 impl DeviceArguments {
     /// Whether a device that holds its last force gets a watchdog process.
     pub fn is_guarded(&self) -> bool {
-        self.guardian != Some(OnOff::Off)
+        self.watchdog != Some(OnOff::Off)
     }
 
     /// Returns the kind of the first named device.
@@ -151,7 +151,7 @@ impl DeviceArguments {
             ("--generation", self.generation.is_some()),
             ("--board", self.board.is_some()),
             ("--start-pose", self.start_pose.is_some()),
-            ("--guardian", self.guardian.is_some()),
+            ("--watchdog", self.watchdog.is_some()),
             ("--reconnect-in-start-pose", self.reconnect_in_start_pose),
         ];
         let goes = matches!(device, DeviceName::Haply2diy | DeviceName::Inverse3);

@@ -13,6 +13,6 @@ pub fn command() -> io::Result<Command> {
         std::env::current_exe()?
     };
     let mut command = Command::new(program);
-    command.arg0("palpate").arg("guardian");
+    command.arg0("palpate").arg("watchdog");
     Ok(command)
 }

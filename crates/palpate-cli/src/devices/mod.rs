@@ -158,7 +158,7 @@ fn open_as<C: Clock>(
 fn warn_if_unguarded(device: &dyn Device, arguments: &DeviceArguments) {
     if device.capabilities().holds_last_force && !arguments.is_guarded() {
         tell(
-            "warning: --guardian off: if this program is killed or stopped while a force is on, the \
+            "warning: --watchdog off: if this program is killed or stopped while a force is on, the \
              device holds that force",
         );
     }

@@ -18,7 +18,7 @@ pub const FLAGS_OF_A_DEVICE: [&str; 13] = [
     "start_pose",
     "reconnect",
     "reconnect_in_start_pose",
-    "guardian",
+    "watchdog",
     "service",
     "events",
     "device_id",

@@ -6,9 +6,9 @@ use std::time::Duration;
 use palpate_device::Device;
 use palpate_device::clock::Clock;
 use palpate_devices::Reopen;
-use palpate_devices::two_diy::{Guard, LetGo, OpenError, PortError, Setup};
+use palpate_devices::two_diy::{DisableOutput, Guard, OpenError, PortError, Setup};
 use palpate_haply::two_diy::{Board, Calibration, Generation, TwoDiy};
-use palpate_rt::guardian::GuardianError;
+use palpate_rt::watchdog::WatchdogError;
 use palpate_session::Guarding;
 use rustix::termios::{QueueSelector, tcflush};
 
@@ -60,7 +60,7 @@ pub fn open<C: Clock>(
             })
         })
         .transpose()
-        .map_err(|error| refused(OpenError::Guardian(GuardianError::Spawn(error))))?;
+        .map_err(|error| refused(OpenError::Watchdog(WatchdogError::Spawn(error))))?;
     setup.open(period, clock.clone(), guard).map_err(refused)
 }
 
@@ -69,8 +69,8 @@ fn refused(error: OpenError) -> Failure {
         OpenError::StartPose(error) => Failure::Arguments(format!("--start-pose: {error}")),
         OpenError::Port(error) => no_port(error),
         OpenError::Device(_) => Failure::System(error.to_string()),
-        OpenError::Guardian(_) => {
-            Failure::System(format!("{error}; --guardian off goes without one"))
+        OpenError::Watchdog(_) => {
+            Failure::System(format!("{error}; --watchdog off goes without one"))
         }
     }
 }
@@ -133,7 +133,7 @@ pub fn reopen<C: Clock>(
 /// Wraps the device to warn at its end if its board has not confirmed that the torques are off; after the loss of the
 /// port only if `says_gone`.
 pub fn watched<C: Clock>(device: TwoDiy<C>, says_gone: bool) -> Box<dyn Device> {
-    Box::new(LetGo::new(device, move |not| {
+    Box::new(DisableOutput::new(device, move |not| {
         if says_gone || !not.was_gone {
             tell(format_args!(
                 "warning: the 2DIY could not be let go of as it should: {}; switch its motors off",

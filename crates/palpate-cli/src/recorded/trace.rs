@@ -8,7 +8,7 @@ use palpate_record::trace::{
     self, HeldTrace, LedDevice, Part, ReadNotes, TraceError, TraceFault, WorldTrace,
 };
 use palpate_scene::world::WorldDevice;
-use palpate_sim::run::MOST_PERIODS;
+use palpate_sim::run::MAX_PERIODS;
 use palpate_study::report::RecordedMotion;
 use palpate_study::text::digits;
 
@@ -25,7 +25,7 @@ const SHORTEST_FIT: f64 = 1.0;
 /// Returns the remedy for a recording with too many periods.
 pub fn how_to_cut() -> String {
     format!(
-        "at most {MOST_PERIODS} fit, so take a part of it with --from and --to [s], or a longer --period"
+        "at most {MAX_PERIODS} fit, so take a part of it with --from and --to [s], or a longer --period"
     )
 }
 
@@ -122,9 +122,9 @@ fn wrong_trace(error: TraceError) -> Failure {
             place,
             fault: TraceFault::TooLong { longest, first },
         } => {
-            let fits = longest * MOST_PERIODS as f64 / (MOST_PERIODS + 1) as f64;
+            let fits = longest * MAX_PERIODS as f64 / (MAX_PERIODS + 1) as f64;
             let message = format!(
-                "{}: the trace goes on for more than {MOST_PERIODS} periods ({} s) after its first \
+                "{}: the trace goes on for more than {MAX_PERIODS} periods ({} s) after its first \
                  sample at {first} s; {}",
                 place.file(),
                 digits(fits),

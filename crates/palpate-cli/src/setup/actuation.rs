@@ -16,8 +16,8 @@ impl ActuationFlags {
         for (flag, parameter, range, value) in [
             ("--lag", Parameter::Lag, not_negative, self.lag),
             ("--gain", Parameter::Gain, positive, self.gain),
-            ("--told-lag", Parameter::Lag, not_negative, self.told_lag),
-            ("--told-gain", Parameter::Gain, positive, self.told_gain),
+            ("--model-lag", Parameter::Lag, not_negative, self.model_lag),
+            ("--model-gain", Parameter::Gain, positive, self.model_gain),
             (
                 "--lag-deviation",
                 Parameter::LagDeviation,
@@ -46,11 +46,11 @@ impl ActuationFlags {
             }
         }
         let most = LARGEST_DELAY as f64;
-        if let Some(told) = self.told_delay
-            && !(0.0..=most).contains(&told)
+        if let Some(model) = self.model_delay
+            && !(0.0..=most).contains(&model)
         {
             return Err(Failure::Arguments(format!(
-                "--told-delay is {told} periods, but must be from 0 to {LARGEST_DELAY}"
+                "--model-delay is {model} periods, but must be from 0 to {LARGEST_DELAY}"
             )));
         }
         if let Some(deviation) = self.delay_deviation
@@ -112,7 +112,7 @@ impl ActuationFlags {
     ) -> Result<Option<Transmission<f64>>, Failure> {
         if !self.tell_a_transmission() {
             return Ok(file
-                .and_then(|file| file.told(self).transmission)
+                .and_then(|file| file.model(self).transmission)
                 .or(before));
         }
         let missing = |parameter: &str, quantity: Quantity| {
@@ -152,17 +152,17 @@ impl ActuationFlags {
     }
 
     /// Rejects model values if no actuator is simulated that could differ from them.
-    pub fn refuse_told(&self, command: &str) -> Result<(), Failure> {
+    pub fn refuse_model(&self, command: &str) -> Result<(), Failure> {
         let given = [
-            ("delay", self.told_delay),
-            ("lag", self.told_lag),
-            ("gain", self.told_gain),
+            ("delay", self.model_delay),
+            ("lag", self.model_lag),
+            ("gain", self.model_gain),
         ]
         .into_iter()
         .find(|(_, value)| value.is_some());
         given.map_or(Ok(()), |(name, _)| {
             Err(Failure::Arguments(format!(
-                "--told-{name} is for simulate and tune; what {command} tells the renderer is --{name}"
+                "--model-{name} is for simulate and tune; what {command} tells the renderer is --{name}"
             )))
         })
     }
@@ -178,9 +178,9 @@ impl ActuationFlags {
                 self.lag_deviation,
                 self.gain,
                 self.gain_deviation,
-                self.told_delay,
-                self.told_lag,
-                self.told_gain,
+                self.model_delay,
+                self.model_lag,
+                self.model_gain,
             ]
             .iter()
             .any(Option::is_some)
@@ -189,43 +189,43 @@ impl ActuationFlags {
     /// Replaces the scene's values by the flags and by the remaining values of `file`.
     pub fn change(&self, scene: &mut Scene, file: Option<&DeviceFile>) -> Result<(), Failure> {
         let period = scene.loop_params.period;
-        let told = &mut scene.told;
-        told.transmission = self.transmission(file, told.transmission)?;
+        let model = &mut scene.model;
+        model.transmission = self.transmission(file, model.transmission)?;
         if let Some(file) = file {
-            let known = file.told(self);
-            told.delay = known.delay.or(told.delay);
-            told.delay_deviation = known.delay_deviation.or(told.delay_deviation);
-            told.lag = known.lag.or(told.lag);
-            told.lag_deviation = known.lag_deviation.or(told.lag_deviation);
-            told.gain = known.gain.or(told.gain);
-            told.gain_deviation = known.gain_deviation.or(told.gain_deviation);
-            told.sensor_noise = known.sensor_noise.or(told.sensor_noise);
+            let known = file.model(self);
+            model.delay = known.delay.or(model.delay);
+            model.delay_deviation = known.delay_deviation.or(model.delay_deviation);
+            model.lag = known.lag.or(model.lag);
+            model.lag_deviation = known.lag_deviation.or(model.lag_deviation);
+            model.gain = known.gain.or(model.gain);
+            model.gain_deviation = known.gain_deviation.or(model.gain_deviation);
+            model.sensor_noise = known.sensor_noise.or(model.sensor_noise);
         }
         // A flag sets the true value and the model value.
         if let Some(periods) = self.delay {
-            told.delay = None;
-            scene.delay = Delay::told_whole(periods, period);
+            model.delay = None;
+            scene.delay = Delay::model_whole(periods, period);
         }
         if let Some(lag) = self.lag {
-            told.lag = None;
+            model.lag = None;
             scene.actuator.lag = lag;
         }
         if let Some(gain) = self.gain {
-            told.gain = None;
+            model.gain = None;
             scene.actuator.gain = gain;
         }
         let in_seconds = |periods: f64| periods * period;
-        told.delay = self.told_delay.map(in_seconds).or(told.delay);
-        told.lag = self.told_lag.or(told.lag);
-        told.gain = self.told_gain.or(told.gain);
+        model.delay = self.model_delay.map(in_seconds).or(model.delay);
+        model.lag = self.model_lag.or(model.lag);
+        model.gain = self.model_gain.or(model.gain);
         let deviation = self.delay_deviation.map(in_seconds);
-        told.delay_deviation = deviation.or(told.delay_deviation);
-        told.lag_deviation = self.lag_deviation.or(told.lag_deviation);
-        told.gain_deviation = self.gain_deviation.or(told.gain_deviation);
+        model.delay_deviation = deviation.or(model.delay_deviation);
+        model.lag_deviation = self.lag_deviation.or(model.lag_deviation);
+        model.gain_deviation = self.gain_deviation.or(model.gain_deviation);
         let delay = scene.delay.whole_samples() as f64 + scene.delay.seconds() / period;
         let delay = Delay::of_periods(delay);
         let periods = delay.whole_samples() as f64 + delay.fraction();
-        if told.delay.is_none() && periods > LARGEST_DELAY as f64 {
+        if model.delay.is_none() && periods > LARGEST_DELAY as f64 {
             tell_too_long(periods);
         }
         Ok(())
@@ -237,7 +237,7 @@ impl ActuationFlags {
         period: f64,
         file: Option<&DeviceFile>,
     ) -> Result<Actuation<f64>, Failure> {
-        let known = file.map(|file| file.told(self)).unwrap_or_default();
+        let known = file.map(|file| file.model(self)).unwrap_or_default();
         let in_seconds = |periods: f64| periods * period;
         let perfect = Actuation::default();
         let or_known =
@@ -262,10 +262,10 @@ impl ActuationFlags {
         };
         match quantity {
             Quantity::Delay | Quantity::DelayPlusLag => {
-                first(&[("--told-delay", self.told_delay), ("--delay", self.delay)])
+                first(&[("--model-delay", self.model_delay), ("--delay", self.delay)])
             }
-            Quantity::Lag => first(&[("--told-lag", self.told_lag), ("--lag", self.lag)]),
-            Quantity::Gain => first(&[("--told-gain", self.told_gain), ("--gain", self.gain)]),
+            Quantity::Lag => first(&[("--model-lag", self.model_lag), ("--lag", self.lag)]),
+            Quantity::Gain => first(&[("--model-gain", self.model_gain), ("--gain", self.gain)]),
             Quantity::Resonance => first(&[("--resonance", self.resonance)]),
             Quantity::ResonanceDampingRatio => {
                 first(&[("--resonance-damping-ratio", self.resonance_damping_ratio)])

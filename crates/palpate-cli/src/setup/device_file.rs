@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use palpate::{Contact, LARGEST_DELAY, Mass};
 use palpate_calibrate::{Calibration, Quantity};
 use palpate_files::bounded::DEVICE;
-use palpate_scene::{Told, quantum_of};
+use palpate_scene::{Model, quantum_of};
 use palpate_study::calibrated;
 use palpate_study::text::digits;
 
@@ -76,7 +76,7 @@ impl DeviceFile {
             path: path.to_owned(),
             calibration: read_calibration(path)?,
         };
-        if let Some(delay) = file.told(&flags.actuation).delay
+        if let Some(delay) = file.model(&flags.actuation).delay
             && delay > LARGEST_DELAY as f64 * period
         {
             return Err(Failure::input(format!(
@@ -106,7 +106,7 @@ impl DeviceFile {
 
     /// Returns the model value of the quantum `[m]`: the sensor's quantum, or the quantum with the same noise as the
     /// measured one, whichever is larger.
-    pub fn told_quantum(&self) -> Option<f64> {
+    pub fn model_quantum(&self) -> Option<f64> {
         let noise = self.calibration.value(Quantity::SensorNoise);
         let quantum = self.sensor_quantum();
         noise
@@ -117,8 +117,8 @@ impl DeviceFile {
     }
 
     /// Returns delay, lag, gain, sensor and transmission, without quantities that `flags` override.
-    pub fn told(&self, flags: &ActuationFlags) -> Told {
-        calibrated::told(&self.calibration, |quantity| {
+    pub fn model(&self, flags: &ActuationFlags) -> Model {
+        calibrated::model(&self.calibration, |quantity| {
             flags.beside(quantity).is_none()
         })
     }
@@ -127,12 +127,12 @@ impl DeviceFile {
     fn tell(&self, flags: &Flags, period: f64) {
         let name = self.path.display();
         let (mut taken, mut replaced) = (Vec::new(), Vec::new());
-        let told = self.told(&flags.actuation);
+        let model = self.model(&flags.actuation);
         let has_delay = self.calibration.value(Quantity::Delay).is_some();
         for (quantity, known) in &self.calibration.known {
             let beside = match quantity {
-                Quantity::DeviceMass if flags.told_device_mass.is_some() => {
-                    Some("--told-device-mass")
+                Quantity::DeviceMass if flags.model_device_mass.is_some() => {
+                    Some("--model-device-mass")
                 }
                 Quantity::DeviceMass => flags.device_mass.map(|_| "--device-mass"),
                 Quantity::SensorQuantum => flags.encoder_quantum.map(|_| "--encoder-quantum"),
@@ -145,7 +145,7 @@ impl DeviceFile {
                 Quantity::Resonance
                 | Quantity::ResonanceDampingRatio
                 | Quantity::FlexibleMassFraction
-                    if told.transmission.is_some() || flags.actuation.tell_a_transmission() =>
+                    if model.transmission.is_some() || flags.actuation.tell_a_transmission() =>
                 {
                     flags.actuation.beside(*quantity)
                 }

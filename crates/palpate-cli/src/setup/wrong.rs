@@ -42,11 +42,13 @@ impl Flags {
         let of = &self.actuation;
         match parameter {
             SceneParameter::Rendered(parameter) => self.flag_of_rendered(parameter),
-            SceneParameter::ToldDeviceMass => valued("--told-device-mass", self.told_device_mass),
+            SceneParameter::ModelDeviceMass => {
+                valued("--model-device-mass", self.model_device_mass)
+            }
             SceneParameter::DelaySeconds => valued("--delay", of.delay),
             SceneParameter::Lag => valued("--lag", of.lag),
             SceneParameter::Gain => valued("--gain", of.gain),
-            SceneParameter::ToldDelay => valued("--told-delay", of.told_delay),
+            SceneParameter::ModelDelay => valued("--model-delay", of.model_delay),
             SceneParameter::DelayFraction
             | SceneParameter::Jitter
             | SceneParameter::DropProbability
@@ -64,7 +66,7 @@ impl Flags {
             | SceneParameter::Cogging
             | SceneParameter::CoggingPitch
             | SceneParameter::SensorNoise
-            | SceneParameter::ToldSensorNoise
+            | SceneParameter::ModelSensorNoise
             | SceneParameter::CommandJitter
             | SceneParameter::HandForce
             | SceneParameter::Tremor
@@ -108,9 +110,9 @@ impl Flags {
                 valued("--encoder-quantum", self.encoder_quantum)
             }
             Parameter::DelayDeviation => valued("--delay-deviation", of.delay_deviation),
-            Parameter::Lag => valued("--lag", of.lag.or(of.told_lag)),
+            Parameter::Lag => valued("--lag", of.lag.or(of.model_lag)),
             Parameter::LagDeviation => valued("--lag-deviation", of.lag_deviation),
-            Parameter::Gain => valued("--gain", of.gain.or(of.told_gain)),
+            Parameter::Gain => valued("--gain", of.gain.or(of.model_gain)),
             Parameter::GainDeviation => valued("--gain-deviation", of.gain_deviation),
             Parameter::Resonance => valued("--resonance", of.resonance),
             Parameter::ResonanceDampingRatio => {

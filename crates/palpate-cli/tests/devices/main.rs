@@ -2,10 +2,10 @@
 
 #[path = "../it/common/mod.rs"]
 mod common;
-mod guardian;
 mod inverse3;
 mod live;
 mod run_several;
 mod run_world;
 mod running;
 mod two_diy;
+mod watchdog;

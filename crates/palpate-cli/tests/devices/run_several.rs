@@ -53,7 +53,7 @@ fn a_pinch_is_run_recorded_read_back_and_replayed() {
     let command = "record pinch.toml pinch.mcap --fast --duration 0.5 --json";
     let report = parse(&folder.succeed(command));
     assert_eq!(report["device"], "left: simulated, right: simulated");
-    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert_eq!(report["safety_stop"], serde_json::Value::Null);
     let recording = &report["recording"];
     assert!(
         recording["complete"] == true && recording["ticks"] == 500,
@@ -88,7 +88,7 @@ fn a_pinch_is_run_recorded_read_back_and_replayed() {
         .collect();
     assert_eq!(names, ["left", "right"]);
     for text in ["device left", "safety right", "frame left"] {
-        assert!(info["receipt_bytes"][text].as_u64() > Some(20), "{info}");
+        assert!(info["metadata_bytes"][text].as_u64() > Some(20), "{info}");
     }
     let said = folder.succeed("info pinch.mcap");
     assert!(said.contains("device left: "), "{said}");
@@ -169,11 +169,11 @@ fn a_device_that_is_not_named_as_it_must_be_is_refused() {
     let (code, _, said) = answer(program(&folder, &format!("{run} --origin 0,0,0"), &devices));
     assert_eq!(code, 2, "{said}");
     assert!(said.contains("--origin stands alone"), "{said}");
-    let (code, told, said) = answer(program(&folder, run, &devices));
+    let (code, messages, said) = answer(program(&folder, run, &devices));
     assert_eq!(code, 0, "{said}");
     assert!(
-        told.contains("on the devices `left: simulated, right: simulated`"),
-        "{told}"
+        messages.contains("on the devices `left: simulated, right: simulated`"),
+        "{messages}"
     );
     // A scene of one contact rejects several devices.
     folder.write("wall.toml", experiment_text("wall"));
@@ -195,9 +195,9 @@ fn a_page_has_several_devices_each_by_its_name() {
         ),
     ] {
         let devices: Vec<String> = devices.iter().map(|device| (*device).to_owned()).collect();
-        let (code, told, said) = answer(program(&folder, live, &devices));
+        let (code, messages, said) = answer(program(&folder, live, &devices));
         assert!(matches!(code, 0 | 5), "{code}: {said}");
-        assert!(told.contains(device), "{told}");
+        assert!(messages.contains(device), "{messages}");
     }
     let refused = |devices: &[&str], flags: &str, words: &str| {
         let devices: Vec<String> = devices.iter().map(|device| (*device).to_owned()).collect();
@@ -278,7 +278,7 @@ fn two_inverse3_pinch_a_cube() {
         .map(|_| {
             let (folder, emulators) = (folder(), two_fingers());
             let run = format!("record {LOOP} --duration 2.5");
-            let (code, told, said) = answer(program(&folder, &run, &on(&emulators)));
+            let (code, messages, said) = answer(program(&folder, &run, &on(&emulators)));
             // 5 if the motors were off for most of the ticks.
             assert!(matches!(code, 0 | 5), "{code}: {said}");
             for (emulator, sign) in emulators.iter().zip([-1.0, 1.0]) {
@@ -290,7 +290,7 @@ fn two_inverse3_pinch_a_cube() {
                 let impulse: f64 = forces.iter().map(|[x, ..]| sign * x).sum();
                 assert!(impulse > 0.0, "{said}");
             }
-            (parse(&told), ticks_of_a_pinch(&folder))
+            (parse(&messages), ticks_of_a_pinch(&folder))
         })
         .find(|(_, ticks)| *ticks > 20)
         .expect("the loop was stopped in each of ten runs")

@@ -64,7 +64,7 @@ fn a_world_is_run_recorded_and_read_back() {
     let command = "record ball-on-table.toml ball.mcap --fast --duration 2 --json";
     let report = parse(&folder.succeed(command));
     assert_eq!(report["method"], "coupled");
-    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert_eq!(report["safety_stop"], serde_json::Value::Null);
     assert!(number(&report, "peak_force_n") > 0.5, "{report}");
     assert!(number(&report, "leak_held_j").abs() < 0.005, "{report}");
     let recording = &report["recording"];
@@ -359,9 +359,9 @@ fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
     let folder = Folder::new();
     folder.write("box.toml", experiment_text("worlds/box"));
     let report = parse(&folder.succeed("record box.toml box.mcap --fast --duration 0.3 --json"));
-    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert_eq!(report["safety_stop"], serde_json::Value::Null);
     assert!(number(&report, "peak_force_n") > 1.0, "{report}");
-    let (mut torque, mut turned, mut avatar): (f64, f64, f64) = (0.0, 0.0, 0.0);
+    let (mut torque, mut turned, mut proxy): (f64, f64, f64) = (0.0, 0.0, 0.0);
     let mut first = None;
     for entry in Recording::open(&folder.path("box.mcap"))
         .unwrap()
@@ -384,14 +384,14 @@ fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
         turned = turned.max(apart(tick.device_orientation));
         let of_tool = bodies.last().unwrap().orientation;
         let own = of_tool.iter().zip(tick.device_orientation);
-        avatar = own.fold(avatar, |most, (avatar, device)| {
-            most.max((avatar - device).abs())
+        proxy = own.fold(proxy, |most, (proxy, device)| {
+            most.max((proxy - device).abs())
         });
     }
     // The box tips, and its proxy is near the device, but not at its position.
     assert!(torque > 0.01 && torque <= 1.0, "{torque} N m");
     assert!(turned > 0.05, "{turned}");
-    assert!(avatar > 0.0 && avatar < 0.15, "{avatar}");
+    assert!(proxy > 0.0 && proxy < 0.15, "{proxy}");
     // Replay of its motion by another method; the first samples have the same torques.
     let replayed =
         folder.json_of_a_loop("replay box.mcap --method basic,coupled --out replayed.csv");
@@ -409,7 +409,7 @@ fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
     // The hand of a pointer holds it at its start.
     let report =
         parse(&folder.succeed("run box.toml --device pointer --fast --duration 0.1 --json"));
-    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert_eq!(report["safety_stop"], serde_json::Value::Null);
     folder.fail(
         "run box.toml --fast --duration 0.1 --world-axes y,x,z",
         3,
@@ -424,7 +424,7 @@ fn a_device_that_gives_no_torque_is_run_and_replayed() {
     folder.write("stylus.toml", experiment_text("worlds/stylus"));
     let report =
         parse(&folder.succeed("record stylus.toml stylus.mcap --fast --duration 0.2 --json"));
-    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert_eq!(report["safety_stop"], serde_json::Value::Null);
     assert!(number(&report, "peak_force_n") > 1.0, "{report}");
     let replayed =
         folder.json_of_a_loop("replay stylus.mcap --method basic,coupled --out replayed.csv");
@@ -436,7 +436,7 @@ fn a_device_that_gives_no_torque_is_run_and_replayed() {
     assert_eq!(folder.read("replayed.csv").lines().next(), Some(header));
     let report =
         parse(&folder.succeed("run stylus.toml --device pointer --fast --duration 0.1 --json"));
-    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert_eq!(report["safety_stop"], serde_json::Value::Null);
 }
 
 #[test]

@@ -118,7 +118,7 @@ fn a_recording_of_a_run_is_whole_and_can_be_replayed() {
     let folder = folder_with_scenes();
     let answer = folder.palpate("record experiment1.toml tap.mcap --duration 2 --method coupled");
     // On a stalled machine safety disables the force, and the recording is still complete.
-    let stood_still = answer.code == 5 && answer.stdout.contains("trip-stalled");
+    let stood_still = answer.code == 5 && answer.stdout.contains("safety-stop-stalled");
     assert!(answer.code == 0 || stood_still, "{answer:?}");
     let info = parse(&folder.succeed("info tap.mcap --json"));
     let ticks = info["ticks"].as_u64().unwrap();
@@ -159,7 +159,7 @@ fn a_recorded_motion_is_a_device() {
     // After its end the device is gone, and so is the force.
     assert_eq!(ticks.last().unwrap().contact.force_on_device, 0.0);
     let info = folder.succeed("info push.mcap");
-    assert!(info.contains("trip-device-lost"), "{info}");
+    assert!(info.contains("safety-stop-device-lost"), "{info}");
     // A motion recorded by a loop gives the same forces.
     folder.succeed(
         "record wall.toml again.mcap --fast --device replay --motion push.mcap --method basic",
@@ -193,7 +193,7 @@ fn a_pointer_leads_the_device_of_the_scene() {
     let rests = "record late.toml late.mcap --device pointer --object-position 0 --stiffness 1000 \
                  --fast --duration 10 --json";
     let report = parse(&folder.succeed(rests));
-    assert!(report["trip"].is_null(), "{report}");
+    assert!(report["safety_stop"].is_null(), "{report}");
     assert!(number(&report, "leak_held_j") < 5e-3, "{report}");
     let weak = live.replace("[device]\n", "[device]\nmotor_limit_n = 0.5\n");
     assert_ne!(weak, live);
@@ -389,7 +389,7 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     for key in ["motors_off_ticks", "motors_off_s", "lasted_s"] {
         assert_eq!(info[key], report[key], "{key}");
     }
-    assert_eq!(info["flags"]["safety-tripped"], report["motors_off_ticks"]);
+    assert_eq!(info["flags"]["safety-stopped"], report["motors_off_ticks"]);
     for (of_run, of_info) in [
         (&report["timing"]["ticks"], &info["ticks_made"]),
         (&report["recording"]["ticks_made"], &info["ticks_made"]),
@@ -429,7 +429,7 @@ fn a_loop_that_is_frozen_again_and_again_ends_with_its_motors_off() {
     assert_eq!(output.status.code(), Some(5), "{said}");
     assert!(in_a_line(&said).contains("recovered too often"), "{said}");
     let report = parse(&String::from_utf8(output.stdout).unwrap());
-    assert_eq!(report["trip"], "too-many-recoveries", "{report}");
+    assert_eq!(report["safety_stop"], "too-many-recoveries", "{report}");
 }
 
 /// As with a full disk: the loop continues, and the user is warned at once.

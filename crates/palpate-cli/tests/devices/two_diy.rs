@@ -88,14 +88,14 @@ fn presses(emulator: &Emulator) {
 }
 
 /// A program whose messages are read as they appear.
-struct Told {
+struct Message {
     child: Running,
     lines: std::io::Lines<BufReader<ChildStderr>>,
     /// Its messages so far.
     said: String,
 }
 
-impl Told {
+impl Message {
     fn start(program: &mut std::process::Command) -> Self {
         let program = program.stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = Running::start(program);
@@ -205,10 +205,10 @@ fn a_board_that_has_not_said_that_it_holds_no_torque_is_told_of() {
     let folder = folder();
     let emulator = emulator(&folder);
     let run = format!("run wall.toml {DEVICE} {WALL} --duration inf");
-    let run = Told::start(&mut program(&folder, &run));
+    let run = Message::start(&mut program(&folder, &run));
     presses(&emulator);
-    emulator.suffer(Fault::Stall(Duration::from_secs(60)));
-    wait_for("it does not stand still", || emulator.has_suffered());
+    emulator.inject_faults(Fault::Stall(Duration::from_secs(60)));
+    wait_for("it does not stand still", || emulator.has_injected_fault());
     run.child.signal("INT");
     let (_, _, said) = run.end();
     assert!(
@@ -224,15 +224,15 @@ fn a_cable_that_is_pulled_ends_a_run_with_a_word() {
     let folder = folder();
     let emulator = emulator(&folder);
     let run = format!("run wall.toml {DEVICE} {WALL} --json --duration inf");
-    let run = Told::start(&mut program(&folder, &run));
+    let run = Message::start(&mut program(&folder, &run));
     presses(&emulator);
-    emulator.suffer(Fault::Unplug(Duration::from_secs(60)));
+    emulator.inject_faults(Fault::Unplug(Duration::from_secs(60)));
     let (code, output, said) = run.end();
     assert_eq!(code, Some(1), "{said}");
     assert!(said.contains("the device was lost"), "{said}");
     assert!(said.contains("switch its motors off"), "{said}");
     let report = parse(&output);
-    assert_eq!(report["trip"], "device-lost");
+    assert_eq!(report["safety_stop"], "device-lost");
     assert!(
         report["events"].to_string().contains("port is gone"),
         "{report}"
@@ -245,9 +245,9 @@ fn a_cable_that_is_pulled_is_waited_for() {
     let emulator = emulator(&folder);
     let run =
         format!("record wall.toml back.mcap {DEVICE} {WALL} --json --duration inf {RECONNECT}");
-    let mut run = Told::start(&mut program(&folder, &run));
+    let mut run = Message::start(&mut program(&folder, &run));
     presses(&emulator);
-    emulator.suffer(Fault::Unplug(Duration::from_millis(300)));
+    emulator.inject_faults(Fault::Unplug(Duration::from_millis(300)));
     run.hear("the device is gone");
     run.hear("the device is back");
     wait_for("it does not recover", || has_recovered(&folder));
@@ -283,7 +283,7 @@ fn ends_beside_a_silent_board() -> Option<i32> {
     let folder = folder();
     let emulator = emulator(&folder);
     let run = format!("record wall.toml silent.mcap {DEVICE} {WALL} --json --duration inf");
-    let run = Told::start(&mut program(&folder, &run));
+    let run = Message::start(&mut program(&folder, &run));
     presses(&emulator);
     wait_for("it does not run", || {
         Recording::open(&folder.path("silent.mcap.part")).is_ok_and(|recording| {
@@ -291,18 +291,18 @@ fn ends_beside_a_silent_board() -> Option<i32> {
             rows.any(|row| row.is_ok_and(|row| row.tick.time > 2.0))
         })
     });
-    emulator.suffer(Fault::Stall(Duration::from_secs(60)));
+    emulator.inject_faults(Fault::Stall(Duration::from_secs(60)));
     std::thread::sleep(Duration::from_millis(500));
     run.child.signal("TERM");
     let (code, output, said) = run.end();
     let report = parse(&output);
     if code == Some(5) {
-        assert_eq!(report["trip"], "stale-sample", "{said}");
+        assert_eq!(report["safety_stop"], "stale-sample", "{said}");
         assert!(said.contains("when it ended: "), "{said}");
         let [off, all] = ["motors_off_s", "lasted_s"].map(|key| number(&report, key));
         assert!(off > 0.1 && off < 0.5 * all, "{off} of {all} s");
     } else if code == Some(1) {
-        assert_eq!(report["trip"], "device-lost", "{said}");
+        assert_eq!(report["safety_stop"], "device-lost", "{said}");
     } else {
         assert_eq!(code, Some(0), "{said}");
         assert!(!said.contains("when it ended: "), "{said}");
@@ -344,7 +344,7 @@ fn a_port_that_is_gone_is_not_held_open_while_it_is_waited_for() {
             &format!("run wall.toml {DEVICE} {WALL} --duration inf {RECONNECT}"),
         );
         presses(&emulator);
-        emulator.suffer(fault);
+        emulator.inject_faults(fault);
         let begun = Instant::now();
         while sockets(&run) > 0 {
             if begun.elapsed() > PATIENCE {
@@ -390,11 +390,11 @@ fn no_force_comes_back_before_enter_has_said_that_the_arm_is_in_its_start_pose()
     let (mut keys, input) = terminal();
     let run =
         format!("record wall.toml back.mcap {DEVICE} {WALL} --duration inf --reconnect --json");
-    let mut run = Told::start(program(&folder, &run).stdin(input));
+    let mut run = Message::start(program(&folder, &run).stdin(input));
     presses(&emulator);
     // Earlier input is ignored.
     keys.write_all(b"\n").unwrap();
-    emulator.suffer(Fault::Unplug(Duration::from_millis(300)));
+    emulator.inject_faults(Fault::Unplug(Duration::from_millis(300)));
     let back = "the device is back";
     run.hear_before("press enter", Some(back));
     let asked = Instant::now();

@@ -31,7 +31,7 @@ fn error(report: &Value, method: &str) -> f64 {
 }
 
 /// Checks the words that a command wrote to standard error.
-fn told(answer: &Answer, words: &[&str]) {
+fn model(answer: &Answer, words: &[&str]) {
     assert_eq!(answer.code, 0, "{answer:?}");
     for word in words {
         assert!(answer.stderr.contains(word), "{word}: {answer:?}");
@@ -98,11 +98,14 @@ fn coupled_rendering_reaches_the_floor_of_an_actuator_that_it_is_told() {
         error(&folder.json(&flags), "coupled")
     };
     let actuator = "--delay 0.5 --lag 0.002 --gain 0.9";
-    let told = error(actuator);
-    for untold in ["--told-delay 0", "--told-lag 0", "--told-gain 1"] {
-        let other = error(&format!("{actuator} {untold}"));
-        println!("{untold}: E {other:.2} %, told {told:.2} %");
-        assert!(told < 1.0 && other > 5.0 * told, "{untold}: {other} {told}");
+    let model = error(actuator);
+    for unmodelled in ["--model-delay 0", "--model-lag 0", "--model-gain 1"] {
+        let other = error(&format!("{actuator} {unmodelled}"));
+        println!("{unmodelled}: E {other:.2} %, told {model:.2} %");
+        assert!(
+            model < 1.0 && other > 5.0 * model,
+            "{unmodelled}: {other} {model}"
+        );
     }
     assert_eq!(error("--delay 1.0"), error("--delay 1"));
 }
@@ -125,8 +128,8 @@ fn a_recording_is_rendered_with_the_actuator_that_is_told() {
 #[test]
 fn a_device_file_says_what_flags_would() {
     let folder = folder();
-    let by_flags = "--told-delay 0.5 --delay-deviation 0.01 --told-lag 0.002 --told-gain 0.9 \
-                    --told-device-mass 0.1";
+    let by_flags = "--model-delay 0.5 --delay-deviation 0.01 --model-lag 0.002 --model-gain 0.9 \
+                    --model-device-mass 0.1";
     let report = |flags: &str| {
         let answer = folder.palpate(&format!("simulate scene.toml {flags} --json"));
         assert_eq!(answer.code, 0, "{answer:?}");
@@ -136,7 +139,7 @@ fn a_device_file_says_what_flags_would() {
     assert_eq!(by_file, report(by_flags));
     assert_ne!(by_file, report(""));
     let answer = folder.palpate("simulate scene.toml --device-file device.toml --gain 0.8");
-    told(
+    model(
         &answer,
         &[
             "taken from device.toml: device_mass_kg 0.1",
@@ -160,7 +163,7 @@ fn a_device_file_says_what_flags_would() {
     assert_eq!(answer.code, 0, "{answer:?}");
     let other = pipe.replace("0.01", "0.001");
     let answer = folder.palpate_reading("0\n0.001\n", &other);
-    told(
+    model(
         &answer,
         &["found in a loop of 0.01 s, and this one has 0.001 s"],
     );
@@ -216,9 +219,9 @@ fn a_wrong_device_file_is_told_with_its_place() {
 fn what_only_a_simulated_actuator_can_differ_in_is_refused_elsewhere() {
     let folder = folder();
     for (flag, own) in [
-        ("--told-delay", "--delay"),
-        ("--told-lag", "--lag"),
-        ("--told-gain", "--gain"),
+        ("--model-delay", "--delay"),
+        ("--model-lag", "--lag"),
+        ("--model-gain", "--gain"),
     ] {
         for command in ["render tap.csv", "pipe"] {
             let command = format!("{command} --stiffness 400 --mass 0.1 --period 0.01 {flag} 0.5");
@@ -228,11 +231,11 @@ fn what_only_a_simulated_actuator_can_differ_in_is_refused_elsewhere() {
     }
     for (flags, said) in [
         (
-            "--told-delay 8.5",
-            "--told-delay is 8.5 periods, but must be from 0 to 8",
+            "--model-delay 8.5",
+            "--model-delay is 8.5 periods, but must be from 0 to 8",
         ),
-        ("--told-lag -1", "--told-lag is -1 s, but must be"),
-        ("--told-gain 0", "--told-gain is 0, but must be"),
+        ("--model-lag -1", "--model-lag is -1 s, but must be"),
+        ("--model-gain 0", "--model-gain is 0, but must be"),
     ] {
         folder.fail(&format!("simulate scene.toml {flags}"), 2, &[said]);
     }
@@ -256,7 +259,7 @@ fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
         ("gain_deviation", 0.0),
     ] {
         assert!(
-            (number(&info["told"], key) - value).abs() < 1e-15,
+            (number(&info["model"], key) - value).abs() < 1e-15,
             "{key}: {info}"
         );
     }
@@ -269,8 +272,8 @@ fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
         let report = folder.json(&format!("replay rec.mcap --method basic {flags}"));
         (error(&report, "basic"), report["actuator"].clone())
     };
-    let (recorded, told) = replayed("");
-    assert_eq!(number(&told, "told_lag_s"), 0.002);
+    let (recorded, model) = replayed("");
+    assert_eq!(number(&model, "model_lag_s"), 0.002);
     assert_eq!(replayed(actuator).0, recorded);
     assert_ne!(replayed("--delay 0 --lag 0 --gain 1").0, recorded);
     // A perfect loop is reported too.
@@ -278,8 +281,8 @@ fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
     let info = folder.json("info perfect.mcap");
     assert_eq!(
         (
-            number(&info["told"], "delay_s"),
-            number(&info["told"], "gain")
+            number(&info["model"], "delay_s"),
+            number(&info["model"], "gain")
         ),
         (0.0, 1.0)
     );
@@ -364,10 +367,10 @@ fn flexible_folder() -> Folder {
     let keys = "resonance_damping_ratio = 0.03\n";
     folder.write("whole.toml", format!("{FLEXIBLE}{keys}"));
     folder.write("part.toml", FLEXIBLE);
-    let told = "[told]\nresonance_hz = 100\nresonance_damping_ratio = 0.03\nflexible_mass_fraction = 0.5\n";
+    let model = "[model]\nresonance_hz = 100\nresonance_damping_ratio = 0.03\nflexible_mass_fraction = 0.5\n";
     folder.write(
-        "told.toml",
-        format!("{}\n{told}", experiment_text("coupled/flexible")),
+        "model.toml",
+        format!("{}\n{model}", experiment_text("coupled/flexible")),
     );
     folder
 }
@@ -391,7 +394,7 @@ fn flags_tell_a_transmission_as_a_scene_and_a_device_file_do() {
         methods(&softer)
     );
     assert_ne!(methods(&softer), by_flags);
-    let rest = "--told-delay 0.5 --told-lag 0.0002 --told-device-mass 0.2";
+    let rest = "--model-delay 0.5 --model-lag 0.0002 --model-device-mass 0.2";
     assert_eq!(
         methods(&format!(
             "{simulate} --device-file whole.toml --resonance 80"
@@ -401,7 +404,7 @@ fn flags_tell_a_transmission_as_a_scene_and_a_device_file_do() {
     let answer = folder.palpate(&format!(
         "{simulate} --device-file whole.toml --resonance 80"
     ));
-    told(
+    model(
         &answer,
         &[
             "resonance_damping_ratio 0.03, flexible_mass_fraction 0.5",
@@ -470,11 +473,11 @@ fn a_recording_has_the_transmission_that_flags_told() {
         ("resonance_damping_ratio", 0.03),
         ("flexible_mass_fraction", 0.5),
     ] {
-        assert_eq!(number(&info["told"], key), value, "{info}");
+        assert_eq!(number(&info["model"], key), value, "{info}");
     }
     assert!(folder.succeed("info rec.mcap").contains("100 Hz"));
     let report = folder.json(&format!("replay rec.mcap --method coupled {TRANSMISSION}"));
-    assert_eq!(number(&report["actuator"], "told_resonance_hz"), 100.0);
+    assert_eq!(number(&report["actuator"], "model_resonance_hz"), 100.0);
 }
 
 #[test]
@@ -534,7 +537,7 @@ duration_s = 1
 [renderer]
 method = \"coupled\"
 
-[told]
+[model]
 delay_s = 0
 delay_deviation_s = 0.0003
 ";

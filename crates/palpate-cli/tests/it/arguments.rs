@@ -199,10 +199,10 @@ fn the_examples_of_the_help_are_understood() {
     for example in real_time {
         let answer = example.answer();
         // Safety may end a loop that missed its deadlines on a busy machine; this does not concern the arguments.
-        let tripped_late = answer.code == 5 && answer.stdout.contains("missed-deadline");
+        let stopped_late = answer.code == 5 && answer.stdout.contains("missed-deadline");
         let arguments = &example.arguments;
         assert!(
-            answer.code == 0 || tripped_late,
+            answer.code == 0 || stopped_late,
             "palpate {arguments}: {answer:?}"
         );
     }

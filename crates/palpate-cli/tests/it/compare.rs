@@ -31,7 +31,7 @@ fn every_figure_is_that_of_the_simulation() {
         let group = &comparison["scenes"][scene];
         assert_eq!(group["scene"], format!("{name}.toml"));
         assert_eq!(group["title"], report["title"]);
-        assert_eq!(group["hold_floor_percent"], report["hold_floor_percent"]);
+        assert_eq!(group["hold_bound_percent"], report["hold_bound_percent"]);
         assert_eq!(group["methods"].as_array().unwrap().len(), METHODS.len());
         for method in METHODS {
             let (row, expected) = (
@@ -41,7 +41,7 @@ fn every_figure_is_that_of_the_simulation() {
             for key in [
                 "mean_force_error_percent",
                 "force_rendering_error_percent",
-                "error_over_floor",
+                "error_over_bound",
                 "absolute_leak_held_j",
                 "diverged",
                 "parameters",
@@ -110,12 +110,13 @@ fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
             assert_eq!(row["diverged"], false, "{method}");
         }
     }
-    let told = folder.succeed("compare soft.toml --out soft.csv");
+    let model = folder.succeed("compare soft.toml --out soft.csv");
     assert_eq!(
-        told.matches("cannot be set up: damping_cap_n_s_per_m is 0")
+        model
+            .matches("cannot be set up: damping_cap_n_s_per_m is 0")
             .count(),
         2,
-        "{told}"
+        "{model}"
     );
     assert!(folder.read("soft.csv").contains(",popc,"));
     let text = experiment_text("wall");
@@ -138,12 +139,13 @@ fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
 #[test]
 fn the_table_is_written_as_csv() {
     let folder = folder();
-    let told = folder.succeed("compare fig2.toml experiment2.toml --method basic,hfcr --out t.csv");
-    assert!(told.contains("wrote t.csv"), "{told}");
+    let model =
+        folder.succeed("compare fig2.toml experiment2.toml --method basic,hfcr --out t.csv");
+    assert!(model.contains("wrote t.csv"), "{model}");
     let text = folder.read("t.csv");
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 5);
-    assert!(lines[0].starts_with("scene,title,method,kappa,hold_floor_percent,mean_force_error"));
+    assert!(lines[0].starts_with("scene,title,method,kappa,hold_bound_percent,mean_force_error"));
     assert!(
         lines[3].starts_with("experiment2.toml,\"Paper, experiment 2"),
         "{}",

@@ -165,7 +165,7 @@ fn report() {
     assert_fits(&text, &[]);
     for words in [
         "stiffest wall",
-        "hold floor",
+        "hold bound",
         "warning: delay told",
         "not checked:",
     ] {

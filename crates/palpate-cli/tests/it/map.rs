@@ -217,7 +217,7 @@ fn a_full_disk_is_named_and_leaves_no_half_map() {
 #[test]
 fn what_is_told_wrong_and_delays_stand_in_the_map() {
     let folder = Folder::new();
-    let arguments = "map --cells 3 --method hfcr --delay 1 --told-mass 2 --told-period 1.1 \
+    let arguments = "map --cells 3 --method hfcr --delay 1 --model-mass 2 --model-period 1.1 \
                      --encoder-quantum 1e-5 --viscous-friction 0.5 --show growth,over-floor";
     let text = folder.succeed(arguments);
     for word in [
@@ -232,12 +232,12 @@ fn what_is_told_wrong_and_delays_stand_in_the_map() {
     let table = folder.read("map.csv");
     for word in [
         "\"\"delay_samples\"\":\"\"1\"\"",
-        "\"\"told_mass_factor\"\":\"\"2\"\"",
+        "\"\"model_mass_factor\"\":\"\"2\"\"",
     ] {
         assert!(table.contains(word), "{word}");
     }
     let picture = folder.read("map.svg");
-    assert!(picture.contains("over the hold floor") && picture.contains("Gil"));
+    assert!(picture.contains("over the hold bound") && picture.contains("Gil"));
 }
 
 #[test]
@@ -247,7 +247,7 @@ fn wrong_arguments_are_named() {
         ("map --cells 1", vec!["--cells", "2..=1000"]),
         ("map --shard 4/3", vec!["--shard", "I/N"]),
         ("map --shard 0/3", vec!["--shard", "I/N"]),
-        ("map --told-mass 0", vec!["--told-mass", "0.001 to 1000"]),
+        ("map --model-mass 0", vec!["--model-mass", "0.001 to 1000"]),
         (
             "map --viscous-friction -1",
             vec!["--viscous-friction", "not below 0"],
@@ -324,7 +324,7 @@ fn an_advice_answers_in_words_first() {
     assert_ne!(swings["verdict"]["answer"], "yes", "{swings}");
     let coarse = folder.json(&format!("{light} --method coupled"));
     assert_eq!(coarse["verdict"]["answer"], "hold-too-coarse", "{coarse}");
-    assert!(number(&coarse["contact"], "hold_floor_percent") > 20.0);
+    assert!(number(&coarse["contact"], "hold_bound_percent") > 20.0);
     let coupled = &coarse["methods"][0]["by_itself"];
     assert!(number(coupled, "resting_swing") < 0.01, "{coupled}");
     assert!(number(coupled, "pressed_swing") < 0.01, "{coupled}");

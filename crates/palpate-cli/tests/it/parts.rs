@@ -29,7 +29,7 @@ fn a_part_of_a_trace_is_that_of_a_shorter_trace() {
         assert_eq!(a.len(), 101);
         for entry in [("trace_from_s", "0.5"), ("trace_to_s", "1.5")] {
             let entry = (entry.0.to_owned(), entry.1.to_owned());
-            assert!(a.receipt().contains(&entry), "{:?}", a.receipt());
+            assert!(a.metadata().contains(&entry), "{:?}", a.metadata());
         }
     }
 }

@@ -36,9 +36,9 @@ fn the_title_tells_the_errors_of_the_report() {
     let error = |method: &str| number(of_method(&report, method), "force_rendering_error_percent");
     let shown = title(&words(&folder, "few.svg"));
     let expected = format!(
-        "Nearest to the ideal: coupled, FRE {:.1} % (hold floor {:.1} %); farthest: basic, {:.1} %",
+        "Nearest to the ideal: coupled, FRE {:.1} % (hold bound {:.1} %); farthest: basic, {:.1} %",
         error("coupled"),
-        number(&report, "hold_floor_percent"),
+        number(&report, "hold_bound_percent"),
         error("basic")
     );
     assert!(shown.contains(&expected), "{shown}");
@@ -102,9 +102,9 @@ fn one_run_says_its_own_error_and_leak() {
     let hfcr = of_method(&report, "hfcr");
     let shown = title(&words(&folder, "one.svg"));
     let expected = format!(
-        "hfcr: FRE {:.1} % (hold floor {:.1} %), leaks of {:.1} mJ",
+        "hfcr: FRE {:.1} % (hold bound {:.1} %), leaks of {:.1} mJ",
         number(hfcr, "force_rendering_error_percent"),
-        number(&report, "hold_floor_percent"),
+        number(&report, "hold_bound_percent"),
         1e3 * number(hfcr, "absolute_leak_held_j")
     );
     assert!(shown.contains(&expected), "{shown}");
@@ -246,7 +246,7 @@ fn compared_scenes_are_panels_with_the_hold_floor() {
     let report = folder.json(&format!("compare {scenes} --plot dots.svg"));
     assert_eq!(report["files"], serde_json::json!(["dots.svg"]));
     let shown = words(&folder, "dots.svg");
-    assert_eq!(count(&shown, "hold floor"), 1);
+    assert_eq!(count(&shown, "hold bound"), 1);
     assert_eq!(
         count(&shown, "FRE [%]"),
         2,

@@ -518,7 +518,7 @@ fn a_scene_says_what_flags_would() {
                  period_s = 0.01\ndelay_samples = 1\n\n[measure]\nduration_s = 1\n";
     folder.write("block.toml", scene);
     folder.write(
-        "told.toml",
+        "model.toml",
         format!("{scene}\n[renderer]\nmethod = \"hfcr\"\ndevice_mass_kg = 0.3\n"),
     );
     let flags = "pipe --stiffness 400 --mass 0.1 --object-position 0.001 --force -0.981 \
@@ -534,11 +534,11 @@ fn a_scene_says_what_flags_would() {
         by_scene.stdout
     };
     let block = same("pipe --scene block.toml", "--device-mass 0.25");
-    let told = same(
+    let model = same(
         "pipe --scene told.toml --method coupled",
         "--device-mass 0.3",
     );
-    assert_ne!(block, told);
+    assert_ne!(block, model);
     same("pipe --scene told.toml", "--device-mass 0.3 --method hfcr");
     // Flags override the scene.
     same(

@@ -2,8 +2,8 @@
 
 use crate::common::{Folder, number, of_method, parse};
 use crate::recordings::{append, loop_of, record, row, write};
-use palpate_record::recording::{LoopCount, Receipt, RecordingWriter};
-use palpate_rt::{Note, Noted};
+use palpate_record::recording::{LoopCount, RecordingMetadata, RecordingWriter};
+use palpate_rt::{LoopEvent, Note};
 use palpate_scene::method::MethodName;
 
 #[test]
@@ -20,7 +20,7 @@ fn info_says_what_is_in_a_recording() {
         "\n  longest tick: 0.0200 ms\n",
         "\n  contact: ",
         "\n2 events\n  end: 1\n  safety: 1\n",
-        "\n1 text in the receipt\n  scene: ",
+        "\n1 text in the metadata\n  scene: ",
     ] {
         assert!(text.contains(words), "no {words:?} in:\n{text}");
     }
@@ -59,15 +59,15 @@ fn info_says_what_is_in_a_recording() {
 fn info_counts_missed_deadlines_and_says_the_most_energy_that_was_created() {
     let folder = Folder::new();
     let (text, run) = loop_of("experiment1", MethodName::Hfcr);
-    let receipt = Receipt::new("0.1.0").with("scene", &text);
-    let mut writer = RecordingWriter::create(&folder.path("late.mcap"), &receipt).unwrap();
+    let metadata = RecordingMetadata::new("0.1.0").with("scene", &text);
+    let mut writer = RecordingWriter::create(&folder.path("late.mcap"), &metadata).unwrap();
     for (at, created_energy) in [0.0, 0.001, 0.0042, 0.002].into_iter().enumerate() {
         let mut late = row(&run, at);
         late.tick.created_energy = created_energy;
         append(&mut writer, &late);
     }
     for missed in [3, 1, 20] {
-        let noted = Noted {
+        let noted = LoopEvent {
             sequence: 3,
             time: run.ticks[3].time,
             device: None,
@@ -141,9 +141,9 @@ fn what_is_lost_is_said_and_has_an_exit_code() {
 fn a_tail_that_is_lost_is_said_and_has_an_exit_code() {
     let folder = Folder::new();
     let (text, run) = loop_of("experiment1", MethodName::Hfcr);
-    let receipt = Receipt::new("0.1.0").with("scene", &text);
+    let metadata = RecordingMetadata::new("0.1.0").with("scene", &text);
     let write = |name: &str, count: Option<LoopCount>| {
-        let mut writer = RecordingWriter::create(&folder.path(name), &receipt).unwrap();
+        let mut writer = RecordingWriter::create(&folder.path(name), &metadata).unwrap();
         for at in 0..30 {
             append(&mut writer, &row(&run, at));
         }
@@ -180,7 +180,7 @@ fn a_tail_that_is_lost_is_said_and_has_an_exit_code() {
     assert_eq!(folder.palpate("convert late.mcap").code, 4);
     let table = folder.run_file("late.csv");
     let said = |key: &str| {
-        let found = table.receipt().iter().find(|(name, _)| name == key);
+        let found = table.metadata().iter().find(|(name, _)| name == key);
         found.unwrap().1.clone()
     };
     assert_eq!(
@@ -207,8 +207,8 @@ fn a_tail_that_is_lost_is_said_and_has_an_exit_code() {
 fn a_recording_that_was_cut_off_is_read_as_far_as_it_goes() {
     let folder = Folder::new();
     let (text, run) = loop_of("experiment1", MethodName::Hfcr);
-    let receipt = Receipt::new("0.1.0").with("scene", &text);
-    let mut writer = RecordingWriter::create(&folder.path("tap.mcap"), &receipt).unwrap();
+    let metadata = RecordingMetadata::new("0.1.0").with("scene", &text);
+    let mut writer = RecordingWriter::create(&folder.path("tap.mcap"), &metadata).unwrap();
     for at in 0..30 {
         append(&mut writer, &row(&run, at));
     }
@@ -309,7 +309,7 @@ fn a_replay_by_the_recorded_method_gives_the_recorded_forces() {
     }
     let said = |key: &str| {
         table
-            .receipt()
+            .metadata()
             .iter()
             .find(|(name, _)| name == key)
             .unwrap()
@@ -374,8 +374,8 @@ fn the_object_starts_where_it_was_at_the_first_tick() {
 fn ticks_without_a_position_are_passed_over_and_counted() {
     let folder = Folder::new();
     let (text, run) = loop_of("experiment1", MethodName::Hfcr);
-    let receipt = Receipt::new("0.1.0").with("scene", &text);
-    let mut writer = RecordingWriter::create(&folder.path("tap.mcap"), &receipt).unwrap();
+    let metadata = RecordingMetadata::new("0.1.0").with("scene", &text);
+    let mut writer = RecordingWriter::create(&folder.path("tap.mcap"), &metadata).unwrap();
     for at in 0..run.ticks.len() {
         let mut row = row(&run, at);
         if at % 10 == 3 {
@@ -406,10 +406,10 @@ fn what_cannot_be_read_or_replayed_is_refused() {
             &["none.mcap: cannot be read"],
         );
     }
-    let begin = |name: &str, receipt: &Receipt| {
-        RecordingWriter::create(&folder.path(name), receipt).unwrap()
+    let begin = |name: &str, metadata: &RecordingMetadata| {
+        RecordingWriter::create(&folder.path(name), metadata).unwrap()
     };
-    begin("empty.mcap", &Receipt::new("0.1.0"))
+    begin("empty.mcap", &RecordingMetadata::new("0.1.0"))
         .finish()
         .unwrap();
     folder.fail(
@@ -418,11 +418,11 @@ fn what_cannot_be_read_or_replayed_is_refused() {
         &["empty.mcap: the recording has no tick"],
     );
     folder.fail("replay empty.mcap", 3, &["no text called scene"]);
-    let wrong = Receipt::new("0.1.0").with("scene", "scene_format = 1\ntitle = 3\n");
+    let wrong = RecordingMetadata::new("0.1.0").with("scene", "scene_format = 1\ntitle = 3\n");
     begin("wrong.mcap", &wrong).finish().unwrap();
     folder.fail("replay wrong.mcap", 3, &["wrong.mcap (scene):2:9"]);
     let scene = crate::common::experiment_text("experiment1");
-    let no_tick = Receipt::new("0.1.0").with("scene", &scene);
+    let no_tick = RecordingMetadata::new("0.1.0").with("scene", &scene);
     begin("no_tick.mcap", &no_tick).finish().unwrap();
     folder.fail(
         "replay no_tick.mcap",

@@ -30,8 +30,8 @@ fn its_table_is_what_it_was_byte_for_byte() {
 fn what_it_holds_has_the_same_table_and_the_same_replay_in_format_2() {
     let folder = folder();
     let before = Recording::open(&folder.path("format-1.mcap")).unwrap();
-    let receipt = &before.receipt;
-    let mut writer = RecordingWriter::create(&folder.path("format-2.mcap"), receipt).unwrap();
+    let metadata = &before.metadata;
+    let mut writer = RecordingWriter::create(&folder.path("format-2.mcap"), metadata).unwrap();
     for entry in before.entries().unwrap() {
         match entry.unwrap() {
             Entry::Tick(tick, contacts, _, _) => writer.append(&tick, &contacts).unwrap(),

@@ -2,7 +2,7 @@
 
 use crate::common::{Folder, in_a_line, number, of_method};
 use crate::recordings::{append, loop_in, record, row, write};
-use palpate_record::recording::{Flags, Receipt, RecordingWriter, Row};
+use palpate_record::recording::{Flags, RecordingMetadata, RecordingWriter, Row};
 use palpate_scene::method::MethodName;
 use palpate_sim::run::Run;
 
@@ -26,8 +26,8 @@ fn both_sides() -> [String; 2] {
 
 /// Records a run after `change` has edited every row.
 fn write_changed(folder: &Folder, text: &str, run: &Run, change: impl Fn(usize, &mut Row)) {
-    let receipt = Receipt::new("0.1.0").with("scene", text);
-    let mut writer = RecordingWriter::create(&folder.path("tap.mcap"), &receipt).unwrap();
+    let metadata = RecordingMetadata::new("0.1.0").with("scene", text);
+    let mut writer = RecordingWriter::create(&folder.path("tap.mcap"), &metadata).unwrap();
     for at in 0..run.ticks.len() {
         let mut row = row(run, at);
         change(at, &mut row);
@@ -79,7 +79,7 @@ fn the_recorded_method_gives_motion_and_force_back_on_both_sides() {
 
         let table = folder.run_file("r.csv");
         let said = |key: &str| {
-            let entry = table.receipt().iter().find(|(name, _)| name == key);
+            let entry = table.metadata().iter().find(|(name, _)| name == key);
             entry.unwrap_or_else(|| panic!("no {key}")).1.clone()
         };
         assert_eq!(said("replay"), "hand");
@@ -222,8 +222,8 @@ fn what_was_sent_acts_after_the_delay_of_the_recorded_loop() {
 #[test]
 fn the_device_has_the_mass_of_its_scene_or_of_a_flag() {
     let folder = Folder::new();
-    let told = "[renderer]\ndevice_mass_kg = 0.4\n";
-    let text = both_sides()[0].replace("[renderer]\n", told);
+    let model = "[renderer]\ndevice_mass_kg = 0.4\n";
+    let text = both_sides()[0].replace("[renderer]\n", model);
     let run = loop_in(&text, MethodName::Coupled);
     write(&folder.path("tap.mcap"), &text, &run, |_| true);
     let masses = |arguments: &str| {
@@ -238,7 +238,7 @@ fn the_device_has_the_mass_of_its_scene_or_of_a_flag() {
     // The model value of the renderer does not affect the true mass.
     assert_eq!(masses(""), [0.25, 0.4]);
     assert_eq!(masses("--device-mass 0.3"), [0.3, 0.4]);
-    assert_eq!(masses("--told-device-mass 0.5"), [0.25, 0.5]);
+    assert_eq!(masses("--model-device-mass 0.5"), [0.25, 0.5]);
     folder.fail(
         "replay tap.mcap --replay hand --device-mass 0",
         2,

@@ -211,14 +211,14 @@ fn the_report_has_its_fields_with_finite_numbers() {
     assert_eq!(report["delay_samples"], 0);
     assert!(report["device_mass_kg"].is_null() && report["kappa"].is_null());
     assert!((number(&report, "object_kappa") - 0.4).abs() < 1e-12);
-    assert!(number(&report, "hold_floor_percent") > 0.0);
+    assert!(number(&report, "hold_bound_percent") > 0.0);
     assert!(report["files"].is_null(), "nothing was written");
     for method in METHODS {
         let entry = of_method(&report, method);
         for field in [
             "mean_force_error_percent",
             "force_rendering_error_percent",
-            "error_over_floor",
+            "error_over_bound",
             "peak_force_n",
             "strongest_pull_n",
             "leak_original_j",
@@ -281,7 +281,7 @@ fn the_run_file_tells_what_made_it() {
     ));
     let run = folder.run_file("run.csv");
     let entry = |key: &str| {
-        let found = run.receipt().iter().find(|(name, _)| name == key);
+        let found = run.metadata().iter().find(|(name, _)| name == key);
         found
             .map(|(_, value)| value.clone())
             .unwrap_or_else(|| panic!("no {key}"))

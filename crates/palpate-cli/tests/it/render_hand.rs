@@ -42,7 +42,7 @@ fn every_method_gets_a_hand_and_the_report_says_how_well_it_is_known() {
             "{method} ran in a closed loop"
         );
     }
-    let floor = number(of_method(&report, "coupled"), "error_over_floor");
+    let floor = number(of_method(&report, "coupled"), "error_over_bound");
     assert!(floor < 1.5, "{floor}");
     let table = folder.succeed(&arguments);
     for words in [
@@ -59,7 +59,7 @@ fn every_method_gets_a_hand_and_the_report_says_how_well_it_is_known() {
         );
     }
     let run = folder.run_file("run.csv");
-    let entry = |key: &str| run.receipt().iter().find(|(name, _)| name == key).cloned();
+    let entry = |key: &str| run.metadata().iter().find(|(name, _)| name == key).cloned();
     assert_eq!(entry("replay").unwrap().1, "hand");
     assert_eq!(entry("hand_damping_n_s_per_m").unwrap().1, "5");
 }

@@ -121,7 +121,7 @@ fn a_page_of_a_device_file_says_what_its_json_says() {
     let contact = &report["contact"];
     assert_eq!(contact["is_recorded"], false);
     let squared = |field| number(contact, field).powi(2);
-    let sum = squared("mean_force_error_percent") + squared("hold_floor_percent");
+    let sum = squared("mean_force_error_percent") + squared("hold_bound_percent");
     assert!((sum - squared("force_rendering_error_percent")).abs() < 1e-6 * sum.max(1.0));
     // A deviation of 0.15 periods is too large; there is no recording to check.
     assert_eq!(checks(&report, "calibration")["outcome"], "warning");
@@ -158,7 +158,7 @@ fn a_page_of_a_recording_has_its_timing_and_its_contact() {
     // This method generated the motion, so it reproduces the strongest force that was sent.
     let sent = number(contact, "recorded_peak_force_n");
     assert!((number(contact, "peak_force_n") / sent - 1.0).abs() < 0.05);
-    let floor = number(contact, "hold_floor_percent");
+    let floor = number(contact, "hold_bound_percent");
     let error = palpate_study::text::percent(number(contact, "mean_force_error_percent"));
     assert!(floor > 0.0 && page.contains(&format!("<td>{error} %</td>")));
     assert_eq!(checks(&report, "lost samples")["outcome"], "in-order");
@@ -179,8 +179,8 @@ fn a_session_is_recorded_beside_the_page() {
     assert_eq!(report["timing"][0]["ticks"], 200);
     assert_eq!(report["contact"]["is_recorded"], true);
     // The loop used the file's model values, at another period.
-    let told = folder.json("info page.mcap");
-    assert_eq!(told["told"]["delay_s"], 0.004);
+    let model = folder.json("info page.mcap");
+    assert_eq!(model["model"]["delay_s"], 0.004);
     assert_eq!(checks(&report, "delay told")["outcome"], "in-order");
     assert_eq!(checks(&report, "calibrated period")["outcome"], "warning");
     // A second recording would replace the first, which is never done.

@@ -27,7 +27,7 @@ fn close(found: f64, expected: f64) {
 #[test]
 fn fig2_has_the_published_errors() {
     let report = committed("fig2", "--method hfcr-mod-st");
-    close(number(&report, "hold_floor_percent"), 11.03);
+    close(number(&report, "hold_bound_percent"), 11.03);
     let method = of_method(&report, "hfcr-mod-st");
     close(number(method, "force_rendering_error_percent"), 14.96);
     close(number(method, "mean_force_error_percent"), 10.11);
@@ -142,8 +142,8 @@ fn all_methods_stand_in_table_json_run_file_and_figure() {
             "{method}"
         );
         // The renderer's energy ledger against the integral of the simulation.
-        let booked = number(entry, "port_work_j") - number(entry, "bench_port_work_j");
-        assert!(booked.abs() < 1e-12, "{method}: {booked}");
+        let recorded = number(entry, "port_work_j") - number(entry, "bench_port_work_j");
+        assert!(recorded.abs() < 1e-12, "{method}: {recorded}");
     }
 }
 
@@ -325,10 +325,10 @@ fn an_imperfect_loop_by_flags_is_that_of_the_scene_file() {
     assert_eq!(perfect.get("timing"), None);
     assert_eq!(number(&perfect, "samples"), 76.0);
     // The run file contains the time at which each command reached the motor, and the text names the imperfection.
-    let told = folder.succeed("simulate imperfect.toml --out run.csv --plot run.svg");
+    let model = folder.succeed("simulate imperfect.toml --out run.csv --plot run.svg");
     assert!(
-        told.contains("jitter up to 2.00 ms, 10 % of samples dropped"),
-        "{told}"
+        model.contains("jitter up to 2.00 ms, 10 % of samples dropped"),
+        "{model}"
     );
     let run = folder.run_file("run.csv");
     let (sampled, from) = (
@@ -373,7 +373,7 @@ fn random_parts_state_their_seed_and_several_seeds_give_their_range() {
         assert!(coupled.get("over_seeds").is_none());
         values[0].push(number(coupled, "mean_force_error_percent"));
         values[1].push(number(coupled, "leak_held_j"));
-        values[2].push(number(&report, "hold_floor_percent"));
+        values[2].push(number(&report, "hold_bound_percent"));
     }
     let report = folder.json(&format!("{random} --seed 3 --seeds 3"));
     assert_eq!((&report["seed"], &report["seeds"]), (&3.into(), &3.into()));
@@ -384,7 +384,7 @@ fn random_parts_state_their_seed_and_several_seeds_give_their_range() {
     for (values, spread) in values.iter_mut().zip([
         &over["mean_force_error_percent"],
         &over["leak_held_j"],
-        &report["hold_floor_over_seeds"],
+        &report["hold_bound_over_seeds"],
     ]) {
         values.sort_by(f64::total_cmp);
         assert_eq!(

@@ -98,7 +98,7 @@ fn every_method_is_judged_with_both_delays() {
         let quantiles =
             ["median", "quantile_75", "quantile_90", "largest"].map(|name| number(error, name));
         assert!(quantiles.is_sorted() && quantiles[0] > 1.0, "{error}");
-        assert!(number(&found["error_over_floor"], "median") > 1.0);
+        assert!(number(&found["error_over_bound"], "median") > 1.0);
     }
     let text = folder.read("rows.csv");
     let rows = rows(&text);
@@ -135,7 +135,7 @@ fn each_row_is_a_scene_and_a_command() {
     assert_eq!(rows.len(), 24);
     for row in rows {
         let text = folder.succeed(&format!(
-            "simulate plants/plant-000{}.toml --method {} --delay {} --told-delay {} --json",
+            "simulate plants/plant-000{}.toml --method {} --delay {} --model-delay {} --json",
             row["plant"], row["method"], row["delay_samples"], row["model_delay_samples"]
         ));
         let report = parse(&text);
@@ -143,9 +143,9 @@ fn each_row_is_a_scene_and_a_command() {
         for name in [
             "mean_force_error_percent",
             "force_rendering_error_percent",
-            "error_over_floor",
+            "error_over_bound",
             "peak_force_n",
-            "hold_floor_percent",
+            "hold_bound_percent",
             "ideal_error",
         ] {
             // As text: the JSON reader is sometimes off by a bit.
@@ -410,9 +410,9 @@ fn hfcr_hardly_depends_on_the_start_height() {
     let folder = Folder::new();
     let scenes = ["fig2", "experiment1", "experiment2"].map(experiment);
     let scenes = scenes.map(|path| path.display().to_string()).join(" ");
-    let report = folder.json(&format!("heights {scenes} --told-mass-factor 1.5"));
+    let report = folder.json(&format!("heights {scenes} --model-mass-factor 1.5"));
     assert_eq!(report["format"], "palpate heights 1");
-    assert_eq!(report["told_mass_factor"], 1.5);
+    assert_eq!(report["model_mass_factor"], 1.5);
     for (scene, known) in [(0, [10.0, 11.0]), (1, [15.0, 15.0]), (2, [100.0, 107.0])] {
         let report = &report["scenes"][scene];
         let error = &column(report, "hfcr-mod-st")["mean_force_error_percent"];
@@ -423,7 +423,7 @@ fn hfcr_hardly_depends_on_the_start_height() {
                 column(report, "hfcr-mod-st"),
                 "force_rendering_error_percent",
             ),
-            number(report, "hold_floor_percent"),
+            number(report, "hold_bound_percent"),
         );
         assert!((total.hypot(0.0) - floor.hypot(number(error, "own"))).abs() < 1e-9);
     }
@@ -451,14 +451,14 @@ fn what_has_no_heights_is_an_error_that_says_why() {
     folder.write("bad.toml", text.replace("period_s = 0.01", "period_s = 0"));
     for (arguments, code, words) in [
         (
-            format!("{scene} --told-mass-factor 0"),
+            format!("{scene} --model-mass-factor 0"),
             2,
-            "--told-mass-factor is 0",
+            "--model-mass-factor is 0",
         ),
         (
-            format!("{scene} --told-mass-factor nan"),
+            format!("{scene} --model-mass-factor nan"),
             2,
-            "--told-mass-factor is NaN",
+            "--model-mass-factor is NaN",
         ),
         (String::new(), 2, "<SCENE.toml>"),
         ("nowhere.toml".into(), 1, "nowhere.toml"),
@@ -490,31 +490,31 @@ fn a_renderer_can_be_told_another_mass_than_the_true_one() {
         )
     };
     let (right, kappa) = damping("");
-    let (told, same) = damping("--told-device-mass 0.15");
+    let (model, same) = damping("--model-device-mass 0.15");
     assert!(
-        told < right && same == kappa,
-        "{told} {right} {same} {kappa}"
+        model < right && same == kappa,
+        "{model} {right} {same} {kappa}"
     );
-    assert_eq!(damping("--told-device-mass 0.1").0, right);
+    assert_eq!(damping("--model-device-mass 0.1").0, right);
     folder.write(
-        "told.toml",
+        "model.toml",
         crate::common::experiment_text("fig2")
             .replace("[renderer]", "[renderer]\ndevice_mass_kg = 0.15"),
     );
     let report = folder.json("simulate told.toml --method hfcr --damping auto --out run.csv");
     let parameters = &of_method(&report, "hfcr")["parameters"];
-    assert_eq!(number(parameters, "damping_n_s_per_m"), told);
+    assert_eq!(number(parameters, "damping_n_s_per_m"), model);
     assert!(folder.read("run.csv").contains("renderer_device_mass_kg"));
     folder.fail(
-        &format!("simulate {scene} --told-device-mass 0"),
+        &format!("simulate {scene} --model-device-mass 0"),
         2,
-        &["--told-device-mass is 0 kg, but must be finite and greater than 0"],
+        &["--model-device-mass is 0 kg, but must be finite and greater than 0"],
     );
     folder.fail(
-        "pipe --stiffness 1 --mass 1 --period 1 --told-device-mass 1",
+        "pipe --stiffness 1 --mass 1 --period 1 --model-device-mass 1",
         2,
         &[
-            "--told-device-mass is for simulate and tune",
+            "--model-device-mass is for simulate and tune",
             "--device-mass",
         ],
     );

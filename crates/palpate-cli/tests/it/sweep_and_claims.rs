@@ -159,7 +159,7 @@ fn the_place_of_the_hand_s_force_is_a_flag_and_a_key() {
     );
     let run = folder.run_file("motors.csv");
     let said = ("hand_force_at".to_owned(), "motors".to_owned());
-    assert!(run.receipt().contains(&said), "{:?}", run.receipt());
+    assert!(run.metadata().contains(&said), "{:?}", run.metadata());
     let fig2 = experiment("fig2").display().to_string();
     folder.fail(
         &format!("simulate {fig2} --hand-force-at motors"),

@@ -19,15 +19,15 @@ const BETWEEN_NUMBERS: f64 = 6.0;
 const BETWEEN: f64 = 18.0;
 /// Default and minimum height of the line of one dot `[px]`.
 const LINE: f64 = 16.0;
-const LEAST_LINE: f64 = 9.0;
+const MIN_LINE: f64 = 9.0;
 /// Default and minimum width of the inside of a panel `[px]`.
 const PANEL: f64 = 190.0;
-const LEAST_PANEL: f64 = 70.0;
+const MIN_PANEL: f64 = 70.0;
 /// Height below the last panel of a column, for numbers and label `[px]`.
 const BELOW: f64 = 34.0;
 const DOT: f64 = 3.6;
 /// Maximum number of panels side by side.
-const MOST_COLUMNS: usize = 3;
+const MAX_COLUMNS: usize = 3;
 
 /// Layout parameters common to all panels.
 struct Plan {
@@ -48,7 +48,7 @@ pub(crate) fn page(figure: &DotFigure, size: Size) -> Result<Page, SizeError> {
     let width_of = |columns: usize, panel: f64| {
         left + columns as f64 * (panel + BETWEEN) - BETWEEN + 2.0 * EDGE
     };
-    let most = figure.panels.len().clamp(1, MOST_COLUMNS);
+    let most = figure.panels.len().clamp(1, MAX_COLUMNS);
     let (columns, panel) = match size.width {
         None => (most, PANEL),
         Some(width) => {
@@ -60,13 +60,9 @@ pub(crate) fn page(figure: &DotFigure, size: Size) -> Result<Page, SizeError> {
             (columns, (width - width_of(columns, 0.0)) / columns as f64)
         }
     };
-    if panel < LEAST_PANEL {
+    if panel < MIN_PANEL {
         let asked = size.width.unwrap_or_default();
-        return Err(SizeError::too_small(
-            "width",
-            asked,
-            width_of(1, LEAST_PANEL),
-        ));
+        return Err(SizeError::too_small("width", asked, width_of(1, MIN_PANEL)));
     }
     let mut plan = Plan {
         columns,
@@ -81,8 +77,8 @@ pub(crate) fn page(figure: &DotFigure, size: Size) -> Result<Page, SizeError> {
     };
     let lines: f64 = figure.panels.chunks(columns).map(lines).sum();
     plan.line += (height - scene.height) / lines.max(1.0);
-    if plan.line < LEAST_LINE {
-        let least = scene.height + (LEAST_LINE - LINE) * lines;
+    if plan.line < MIN_LINE {
+        let least = scene.height + (MIN_LINE - LINE) * lines;
         return Err(SizeError::too_small("height", height, least));
     }
     let mut scene = self::scene(figure, &plan);

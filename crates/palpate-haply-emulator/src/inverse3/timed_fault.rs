@@ -8,7 +8,7 @@ use super::{Emulator, Fault};
 
 /// Kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Trouble {
+enum FaultKind {
     /// Fault of the next answer.
     Answer(Fault),
     /// The device is unplugged for this time.
@@ -17,7 +17,7 @@ enum Trouble {
     NoPower(Duration),
 }
 
-impl fmt::Display for Trouble {
+impl fmt::Display for FaultKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Answer(fault) => fault.fmt(f),
@@ -35,7 +35,7 @@ impl fmt::Display for Trouble {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimedFault {
     at: Duration,
-    trouble: Trouble,
+    trouble: FaultKind,
 }
 
 /// Kinds without a duration.
@@ -67,13 +67,13 @@ impl FromStr for TimedFault {
         let understood = || {
             let (what, at) = text.split_once('@')?;
             let trouble = match what.split_once('=') {
-                Some(("stall", value)) => Trouble::Answer(Fault::Stall(time(value)?)),
-                Some(("unplug", value)) => Trouble::Unplug(time(value)?),
-                Some(("no-power", value)) => Trouble::NoPower(time(value)?),
+                Some(("stall", value)) => FaultKind::Answer(Fault::Stall(time(value)?)),
+                Some(("unplug", value)) => FaultKind::Unplug(time(value)?),
+                Some(("no-power", value)) => FaultKind::NoPower(time(value)?),
                 Some(_) => return None,
                 None => {
                     let (_, fault) = KINDS.iter().find(|(name, _)| *name == what)?;
-                    Trouble::Answer(*fault)
+                    FaultKind::Answer(*fault)
                 }
             };
             Some(TimedFault {
@@ -94,19 +94,19 @@ impl FromStr for TimedFault {
 
 impl Emulator {
     /// Injects `faults` into the device with this name, each at its time from now on, until `is_over` returns true for
-    /// the elapsed time. Reports each injected fault through `told`.
-    pub fn suffer(
+    /// the elapsed time. Reports each injected fault through `messages`.
+    pub fn inject_faults(
         &self,
         id: &str,
         faults: &[TimedFault],
         is_over: impl Fn(Duration) -> bool,
-        told: impl Fn(fmt::Arguments),
+        messages: impl Fn(fmt::Arguments),
     ) {
         // A temporary fault consists of two changes.
-        let mut changes: Vec<(Duration, Trouble, bool)> = Vec::new();
+        let mut changes: Vec<(Duration, FaultKind, bool)> = Vec::new();
         for &TimedFault { at, trouble } in faults {
             changes.push((at, trouble, true));
-            if let Trouble::Unplug(lasts) | Trouble::NoPower(lasts) = trouble {
+            if let FaultKind::Unplug(lasts) | FaultKind::NoPower(lasts) = trouble {
                 changes.push((at.saturating_add(lasts), trouble, false));
             }
         }
@@ -118,14 +118,14 @@ impl Emulator {
                 changes.next_if(|(at, ..)| begun.elapsed() >= *at)
             {
                 let word = if begins { "" } else { "over: " };
-                told(format_args!(
+                messages(format_args!(
                     "at {:.1} s: {word}{trouble}",
                     at.as_secs_f64()
                 ));
                 match trouble {
-                    Trouble::Answer(fault) => self.inject(fault),
-                    Trouble::Unplug(_) => self.set_present(id, !begins),
-                    Trouble::NoPower(_) => {
+                    FaultKind::Answer(fault) => self.inject(fault),
+                    FaultKind::Unplug(_) => self.set_present(id, !begins),
+                    FaultKind::NoPower(_) => {
                         self.set_status(id, |status| status.power_supply = Some(!begins));
                     }
                 }

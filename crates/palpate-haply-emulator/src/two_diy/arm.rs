@@ -267,13 +267,13 @@ impl Arm {
 
     /// Returns the commanded torques of the motors, by joint `[N m]`.
     pub fn torques(&self) -> [f64; 2] {
-        self.motors.map(|motor| motor.told)
+        self.motors.map(|motor| motor.messages)
     }
 
     /// Sets the motors to zero torque.
     pub fn lose_power(&mut self) {
         for motor in &mut self.motors {
-            motor.told = 0.0;
+            motor.messages = 0.0;
         }
     }
 }
@@ -297,7 +297,7 @@ impl Ports for Arm {
             -1.0
         };
         // Adding 0.0 normalises -0.0.
-        self.motors[joint].told = sign * duty * f64::from(LARGEST_TORQUE) + 0.0;
+        self.motors[joint].messages = sign * duty * f64::from(LARGEST_TORQUE) + 0.0;
     }
 
     fn revolutions(&mut self, port: u8) -> f64 {

@@ -131,11 +131,11 @@ impl Firmware {
         }
         for port in of_mask(self.encoders) {
             let offset = f64::from(Self::float(wire));
-            let told = f64::from(Self::float(wire));
+            let messages = f64::from(Self::float(wire));
             let counts_per_rev = if self.board == Board::M0 {
-                told / 2.0
+                messages / 2.0
             } else {
-                told
+                messages
             };
             self.calibration[usize::from(port) - 1] = Encoder {
                 counts_per_rev,
@@ -151,7 +151,7 @@ impl Firmware {
         for _ in 0..self.pwm_pins {
             self.byte(wire);
         }
-        let mut told = 0;
+        let mut messages = 0;
         for port in of_mask(self.motors) {
             let torque = Self::float(wire);
             if port <= self.board.ports() {
@@ -159,7 +159,7 @@ impl Firmware {
                 let (level, duty) = pins(self.board, port, direction, torque);
                 ports.drive(port, level, duty);
             }
-            told += 1;
+            messages += 1;
         }
         let mut reply = vec![id];
         for _ in 0..self.sensors {
@@ -177,7 +177,7 @@ impl Firmware {
             reply.extend(degrees.to_le_bytes());
         }
         wire.send(&reply);
-        Did::Commanded(told)
+        Did::Commanded(messages)
     }
 
     /// Returns the revolutions in the positive direction set by SETUP.

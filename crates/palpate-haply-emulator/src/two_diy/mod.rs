@@ -229,13 +229,13 @@ impl Emulator {
     }
 
     /// Injects a fault.
-    pub fn suffer(&self, fault: Fault) {
+    pub fn inject_faults(&self, fault: Fault) {
         self.state().faults.push_back(fault);
     }
 
     /// Returns whether every injected fault has begun.
     #[must_use]
-    pub fn has_suffered(&self) -> bool {
+    pub fn has_injected_fault(&self) -> bool {
         self.state().faults.is_empty()
     }
 

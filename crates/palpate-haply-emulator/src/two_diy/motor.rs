@@ -11,7 +11,7 @@ const STEP_IN_LAGS: f64 = 0.25;
 pub struct Motor {
     params: ActuatorParams,
     /// Commanded torque `[N m]`.
-    pub told: f64,
+    pub messages: f64,
     /// Produced torque `[N m]`.
     given: f64,
 }
@@ -22,7 +22,7 @@ impl Motor {
         let params = Actuator::new(params)?.params();
         Ok(Self {
             params,
-            told: 0.0,
+            messages: 0.0,
             given: 0.0,
         })
     }
@@ -40,7 +40,7 @@ impl Motor {
     /// Advances by `step` `[s]` and returns the mean torque over the step `[N m]`.
     pub fn mean_over(&mut self, step: f64) -> f64 {
         let ActuatorParams { gain, lag } = self.params;
-        let aim = gain * self.told;
+        let aim = gain * self.messages;
         if lag <= 0.0 {
             self.given = aim;
             return aim;
@@ -63,7 +63,7 @@ mod tests {
             lag: 1e-3,
         };
         let mut motor = Motor::new(params).unwrap();
-        motor.told = 0.1;
+        motor.messages = 0.1;
         let mut impulse = 0.0;
         for _ in 0..10 {
             impulse += motor.mean_over(1e-4) * 1e-4;

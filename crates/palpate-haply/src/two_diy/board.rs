@@ -41,12 +41,12 @@ impl Board {
         }
     }
 
-    /// Returns the true counts per revolution for the value `told` of SETUP.
+    /// Returns the true counts per revolution for the value `messages` of SETUP.
     #[must_use]
-    pub fn counts_per_rev(self, told: f32) -> f64 {
+    pub fn counts_per_rev(self, messages: f32) -> f64 {
         match self {
-            Self::M0 => f64::from(told) / 2.0,
-            Self::M3 | Self::DevKit => told.into(),
+            Self::M0 => f64::from(messages) / 2.0,
+            Self::M3 | Self::DevKit => messages.into(),
         }
     }
 
@@ -75,8 +75,8 @@ impl Board {
     /// Returns the angle that an encoder reports right after a SETUP with start angle `start` `[degrees]`: the firmware
     /// starts at a whole count.
     #[must_use]
-    pub fn first_angle(self, start: f32, told: f32) -> f64 {
-        let counts = self.counts_per_rev(told);
+    pub fn first_angle(self, start: f32, messages: f32) -> f64 {
+        let counts = self.counts_per_rev(messages);
         (f64::from(start) * counts / 360.0).trunc() * 360.0 / counts
     }
 

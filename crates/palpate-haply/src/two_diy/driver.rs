@@ -6,7 +6,7 @@ use palpate_device::clock::Clock;
 use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
 };
-use palpate_rt::guardian::Unguarded;
+use palpate_rt::watchdog::Unguarded;
 
 use super::board::Board;
 use super::force::torques;
@@ -19,7 +19,7 @@ use super::start;
 
 /// Maximum number of unanswered packets before the driver stops sending. A stalled board later processes every queued
 /// packet, and the last one must hold the current command.
-const MOST_UNANSWERED: u64 = 3;
+const MAX_UNANSWERED: u64 = 3;
 /// An answer that is missing for longer than this is lost.
 const LOST_AFTER: Duration = Duration::from_millis(50);
 /// Silence required after an unrecognised answer before the next request.
@@ -63,7 +63,7 @@ pub struct TwoDiy<C> {
     /// Number of zero-torque requests that were sent when `commanded` was set.
     cuts: u64,
     /// Number of cuts by the watchdog process at the last call of `was_cut`.
-    told_cuts: u64,
+    reported_cuts: u64,
     closed: bool,
     /// Time since which answers are missing.
     behind: Option<Instant>,
@@ -79,7 +79,7 @@ pub struct TwoDiy<C> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Trust {
     /// Each answer belongs to a request.
-    Counted,
+    Counters,
     /// An answer was incomplete, unreadable or unrequested. The line must become quiet; holds the time of the last
     /// byte.
     Astray(Instant),
@@ -100,7 +100,7 @@ pub struct Counts {
     /// Implausible angles.
     pub implausible: u64,
     /// Number of times that the watchdog process commanded zero torque.
-    pub guardian_cuts: u64,
+    pub watchdog_cuts: u64,
 }
 
 fn nothing_new(what: &'static str) -> DeviceError {
@@ -128,11 +128,11 @@ fn unguarded(how: Unguarded) -> DeviceError {
         kind: DeviceErrorKind::Refused,
         what: match how {
             Unguarded::Ended => {
-                "the guardian has ended, which takes the torque off if this program is killed: no \
+                "the watchdog has ended, which takes the torque off if this program is killed: no \
                  force without it"
             }
             Unguarded::NotListening => {
-                "the guardian is there and does not listen, which takes the torque off if this \
+                "the watchdog is there and does not listen, which takes the torque off if this \
                  program is killed: no force without it"
             }
         },
@@ -165,13 +165,13 @@ impl<C> TwoDiy<C> {
             layout: ready.layout,
             board: ready.board,
             patience: ready.patience,
-            trust: Trust::Counted,
+            trust: Trust::Counters,
             failures: 0,
             doubts: 0,
             commanded: [0.0; 2],
             given: [0.0; 2],
             cuts: 0,
-            told_cuts: 0,
+            reported_cuts: 0,
             closed: false,
             behind: None,
             heard: now,
@@ -267,11 +267,11 @@ impl<C> TwoDiy<C> {
             start::begin_anew(&self.line, &self.layout)?;
             self.start_over();
             self.hold_none()?;
-            self.line.dismiss_guardian();
+            self.line.dismiss_watchdog();
             return Ok(());
         }
         // The board holds zero torque or is unreachable. In other cases the watchdog process keeps trying.
-        self.line.dismiss_guardian();
+        self.line.dismiss_watchdog();
         done
     }
 
@@ -344,7 +344,7 @@ impl<C> TwoDiy<C> {
         self.line.serial().forget_input();
         self.replies.forget();
         self.answered = self.line.requests();
-        self.trust = Trust::Counted;
+        self.trust = Trust::Counters;
         self.behind = None;
     }
 
@@ -383,10 +383,10 @@ impl<C> TwoDiy<C> {
 
     /// Resets the commanded torques if another thread or the watchdog process has commanded zero torque.
     fn mind_cuts(&mut self) {
-        self.line.listen_to_guardian();
-        let guardian_cuts = self.line.guardian_cuts();
-        if guardian_cuts != self.counts.guardian_cuts {
-            self.counts.guardian_cuts = guardian_cuts;
+        self.line.listen_to_watchdog();
+        let watchdog_cuts = self.line.watchdog_cuts();
+        if watchdog_cuts != self.counts.watchdog_cuts {
+            self.counts.watchdog_cuts = watchdog_cuts;
             // Answers to its packets cannot be distinguished from answers to the driver's packets.
             self.go_astray();
         }
@@ -410,11 +410,11 @@ impl<C> TwoDiy<C> {
         // A partial answer without an open request is not an answer.
         let is_cut = self.unanswered() == 0 && self.replies.is_partial();
         match self.trust {
-            Trust::Counted | Trust::Tried(_) if is_lost || is_cut => {
+            Trust::Counters | Trust::Tried(_) if is_lost || is_cut => {
                 self.go_astray();
                 return Err(self.missing("an answer is missing; waiting for the board to be quiet"));
             }
-            Trust::Counted => {}
+            Trust::Counters => {}
             Trust::Astray(last_byte) if last_byte.elapsed() < QUIET => {
                 return Err(
                     self.missing("what came is no answer; waiting for the board to be quiet")
@@ -437,9 +437,9 @@ impl<C> TwoDiy<C> {
             Trust::Tried(Some(answered)) if answered.elapsed() < QUIET => {
                 return Err(self.missing("the board is being tried"));
             }
-            Trust::Tried(Some(_)) => self.trust = Trust::Counted,
+            Trust::Tried(Some(_)) => self.trust = Trust::Counters,
         }
-        if self.unanswered() < MOST_UNANSWERED {
+        if self.unanswered() < MAX_UNANSWERED {
             match self.line.ask() {
                 Ok(()) => {}
                 Err(Unsent::Full) => return Err(self.missing("the serial port takes no bytes")),
@@ -460,7 +460,7 @@ impl<C> TwoDiy<C> {
             }
             self.line.serial().wait_readable(left);
             newest = self.listen()?.or(newest);
-            if self.trust != Trust::Counted {
+            if self.trust != Trust::Counters {
                 return Err(self.missing("what the board sent is no answer"));
             }
         }
@@ -557,13 +557,13 @@ impl<C: Clock> Device for TwoDiy<C> {
         };
         self.mind_cuts();
         let unanswered = self.unanswered();
-        let is_trusted = self.trust == Trust::Counted;
+        let is_trusted = self.trust == Trust::Counters;
         if unanswered > 0 || !is_trusted {
             // A board that is behind gets neither a command that is already queued nor a new force: the arm position is
             // not known well enough.
             let is_on_its_way = torques == self.commanded && torques != [0.0; 2];
             let has_none = self.commanded == [0.0; 2];
-            if is_on_its_way || has_none && (unanswered > MOST_UNANSWERED || !is_trusted) {
+            if is_on_its_way || has_none && (unanswered > MAX_UNANSWERED || !is_trusted) {
                 return Ok(self.held());
             }
             self.given = [0.0; 2];
@@ -586,8 +586,8 @@ impl<C: Clock> Device for TwoDiy<C> {
 
     fn was_cut(&mut self) -> bool {
         self.mind_cuts();
-        let cuts = self.counts.guardian_cuts;
-        std::mem::replace(&mut self.told_cuts, cuts) != cuts
+        let cuts = self.counts.watchdog_cuts;
+        std::mem::replace(&mut self.reported_cuts, cuts) != cuts
     }
 }
 

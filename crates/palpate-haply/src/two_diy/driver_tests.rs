@@ -71,7 +71,7 @@ impl Played {
     }
 
     /// Returns the torques on port 1 of all packets sent since the last call.
-    fn was_told(&mut self) -> Vec<f32> {
+    fn received(&mut self) -> Vec<f32> {
         let begun = Instant::now();
         let mut bytes = Vec::new();
         loop {
@@ -156,12 +156,12 @@ impl Drop for Played {
 fn a_late_answer_is_not_that_of_a_later_question() {
     let mut played = Played::new();
     assert!(played.device.read().is_err());
-    assert_eq!(played.was_told(), [0.0]);
+    assert_eq!(played.received(), [0.0]);
     played.says([131.0, 49.0]);
     // That answer belongs to the first request; this one has none yet.
     let error = played.device.read().unwrap_err();
     assert_eq!(error.kind, DeviceErrorKind::NothingNew);
-    assert_eq!(played.was_told(), [0.0]);
+    assert_eq!(played.received(), [0.0]);
     // Both answers arrive in order; the last one is used.
     played.says([132.0, 48.0]);
     assert!(played.reads([133.0, 47.0]).is_ok());
@@ -201,7 +201,7 @@ fn an_answer_that_was_given_up_and_comes_after_all_is_not_believed() {
         let _ = played.device.read();
         assert!(begun.elapsed() < LIMIT);
     }
-    let questions = played.was_told().len();
+    let questions = played.received().len();
     for answer in 0..questions {
         played.says([130.0 - answer as f32, 50.0]);
     }
@@ -221,8 +221,8 @@ fn an_answer_that_is_lost_is_not_waited_for_for_ever() {
     }
     // The driver did not send requests continuously: each attempt takes its time.
     let tries = begun.elapsed().as_millis() / (LOST_AFTER + QUIET).as_millis();
-    let told = played.was_told();
-    assert!(told.len() as u128 <= 4 + tries, "{tries} {told:?}");
+    let messages = played.received();
+    assert!(messages.len() as u128 <= 4 + tries, "{tries} {messages:?}");
     played.comes_back();
 }
 
@@ -253,9 +253,12 @@ fn a_board_that_is_behind_gets_no_force_and_no_flood() {
     }
     // Each attempt takes at least the wait for a missing answer and a quiet line.
     let tries = begun.elapsed().as_millis() / (LOST_AFTER + QUIET).as_millis();
-    let told = played.was_told();
-    assert!(told.len() as u128 <= 5 + tries, "{tries} {told:?}");
-    assert!(told[0] != 0.0 && told.last() == Some(&0.0), "{told:?}");
+    let messages = played.received();
+    assert!(messages.len() as u128 <= 5 + tries, "{tries} {messages:?}");
+    assert!(
+        messages[0] != 0.0 && messages.last() == Some(&0.0),
+        "{messages:?}"
+    );
 }
 
 #[test]
@@ -265,14 +268,14 @@ fn what_is_repeated_after_a_cut_is_no_torque() {
     played.device.write([0.0, 1.0, 0.0].into()).unwrap();
     let mut zero = played.device.zero_writer().unwrap();
     zero.write_zero();
-    let told = played.was_told();
-    assert!(told[0] != 0.0 && told[1..] == [0.0], "{told:?}");
+    let messages = played.received();
+    assert!(messages[0] != 0.0 && messages[1..] == [0.0], "{messages:?}");
     let _ = played.device.read();
-    assert!(played.was_told().iter().all(|torque| *torque == 0.0));
+    assert!(played.received().iter().all(|torque| *torque == 0.0));
     // A force commanded afterwards is sent.
     played.comes_back();
     played.device.write([0.0, 1.0, 0.0].into()).unwrap();
-    assert!(played.was_told().iter().any(|torque| *torque != 0.0));
+    assert!(played.received().iter().any(|torque| *torque != 0.0));
 }
 
 /// The force's own packet sends the pending zero first, so the board holds the force.
@@ -282,11 +285,14 @@ fn a_force_behind_a_cut_that_was_waiting_is_taken_off() {
     assert!(played.reads(START).is_ok());
     played.device.line.cutter().want();
     played.device.write([0.0, 1.0, 0.0].into()).unwrap();
-    let told = played.was_told();
-    assert!(told.last().is_some_and(|torque| *torque != 0.0), "{told:?}");
+    let messages = played.received();
+    assert!(
+        messages.last().is_some_and(|torque| *torque != 0.0),
+        "{messages:?}"
+    );
     played.device.go_astray();
     assert_eq!(played.device.write(Wrench::NONE).unwrap(), Wrench::NONE);
-    assert_eq!(played.was_told(), [0.0]);
+    assert_eq!(played.received(), [0.0]);
 }
 
 /// The thread that holds the line may already have found that nothing was pending.
@@ -295,12 +301,12 @@ fn no_force_that_finds_the_line_busy_goes_out_after_all() {
     let mut played = Played::new();
     assert!(played.reads(START).is_ok());
     played.device.write([0.0, 1.0, 0.0].into()).unwrap();
-    assert!(played.was_told()[0] != 0.0);
+    assert!(played.received()[0] != 0.0);
     let cutter = played.device.line.cutter();
     let busy = cutter.hold();
     assert_eq!(played.device.write(Wrench::NONE).unwrap(), Wrench::NONE);
     drop(busy);
-    assert_eq!(played.was_told().last(), Some(&0.0));
+    assert_eq!(played.received().last(), Some(&0.0));
 }
 
 #[test]
@@ -368,11 +374,11 @@ fn is_passing(error: DeviceError) -> bool {
 
 /// The watchdog process's end of the socket, used by the test.
 fn guarded(played: &Played) -> std::os::unix::net::UnixStream {
-    use palpate_rt::guardian::Guardian;
+    use palpate_rt::watchdog::Watchdog;
     let (driver, socket) = std::os::unix::net::UnixStream::pair().unwrap();
     socket.set_nonblocking(true).unwrap();
-    let guardian = Guardian::beside(driver, std::sync::Arc::default()).unwrap();
-    played.device.line.guard(guardian);
+    let watchdog = Watchdog::beside(driver, std::sync::Arc::default()).unwrap();
+    played.device.line.guard(watchdog);
     socket
 }
 
@@ -424,7 +430,7 @@ fn a_loop_that_a_guardian_has_cut_drops_what_it_had_begun_and_comes_back() {
     }
     let release = super::super::packet::release(played.device.layout());
     assert_eq!(bytes[..19], release);
-    assert_eq!(played.device.counts().guardian_cuts, 1);
+    assert_eq!(played.device.counts().watchdog_cuts, 1);
     assert_eq!(heard(&socket), "F");
     played.comes_back();
     played.device.write([0.0, 1.0, 0.0].into()).unwrap();
@@ -432,7 +438,7 @@ fn a_loop_that_a_guardian_has_cut_drops_what_it_had_begun_and_comes_back() {
 }
 
 #[test]
-fn without_its_guardian_a_device_gives_no_torque_and_says_so() {
+fn without_its_watchdog_a_device_gives_no_torque_and_says_so() {
     let mut played = Played::new();
     let socket = guarded(&played);
     assert!(played.reads(START).is_ok());

@@ -7,7 +7,7 @@ use super::kinematics::ArmPose;
 pub type Torques = [f32; 2];
 
 /// Smaller torques are set to zero `[N m]`: the finest step of any board is 30 thousand times as large.
-const LEAST_TORQUE: f64 = 1e-9;
+const MIN_TORQUE: f64 = 1e-9;
 
 /// Returns the torques to command for `force` `[N]`, and the force that the board produces with them.
 ///
@@ -19,7 +19,7 @@ pub fn torques(pose: &ArmPose, board: Board, force: [f64; 2]) -> (Torques, [f64;
     let wanted = pose.torques(force);
     let most = wanted[0].abs().max(wanted[1].abs());
     let is_force =
-        most > LEAST_TORQUE && most.is_finite() && force.iter().all(|part| part.is_finite());
+        most > MIN_TORQUE && most.is_finite() && force.iter().all(|part| part.is_finite());
     if !is_force {
         return NONE;
     }

@@ -5,7 +5,7 @@ use std::process::Command;
 use std::sync::Arc;
 use std::time::Duration;
 
-use palpate_rt::guardian::{Guardian, GuardianAccount, GuardianError, Orders};
+use palpate_rt::watchdog::{Orders, Watchdog, WatchdogAccount, WatchdogError};
 
 use super::driver::TwoDiy;
 use super::packet::{REPLY_LENGTH, release, state};
@@ -35,11 +35,11 @@ impl<C> TwoDiy<C> {
         self,
         command: Command,
         limit: Duration,
-        account: Arc<GuardianAccount>,
-    ) -> Result<Self, GuardianError> {
+        account: Arc<WatchdogAccount>,
+    ) -> Result<Self, WatchdogError> {
         let port = self.line.serial().as_fd();
-        let guardian = Guardian::start(command, port, &self.orders(limit), account)?;
-        self.line.guard(guardian);
+        let watchdog = Watchdog::start(command, port, &self.orders(limit), account)?;
+        self.line.guard(watchdog);
         Ok(self)
     }
 }

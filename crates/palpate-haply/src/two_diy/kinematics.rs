@@ -13,7 +13,7 @@
 
 /// No force is produced if the sine of the angle between the distal links is smaller than this: the motor angles hardly
 /// determine the end-point, and a small torque is a large force.
-pub const LEAST_SINE: f64 = 0.05;
+pub const MIN_SINE: f64 = 0.05;
 /// From this sine upwards the full force is produced; between the two limits it fades.
 pub const FULL_SINE: f64 = 0.15;
 
@@ -50,7 +50,7 @@ pub struct ArmPose {
     pub position: [f64; 2],
     /// Columns of the Jacobian: derivatives of the end-point by joints 1 and 2 `[m/rad]`.
     pub columns: [[f64; 2]; 2],
-    /// Sine of the angle between the distal links, above [`LEAST_SINE`].
+    /// Sine of the angle between the distal links, above [`MIN_SINE`].
     pub sine: f64,
 }
 
@@ -68,7 +68,7 @@ impl Geometry {
     /// Returns the pose for the angles of joints 1 and 2 `[rad]`.
     ///
     /// # Errors
-    /// The angles are not finite, out of reach, or singular within [`LEAST_SINE`].
+    /// The angles are not finite, out of reach, or singular within [`MIN_SINE`].
     pub fn pose(&self, [first, second]: [f64; 2]) -> Result<ArmPose, NoPose> {
         if !(first.is_finite() && second.is_finite()) {
             return Err(NoPose::NotANumber);
@@ -85,7 +85,7 @@ impl Geometry {
         let height = square.sqrt();
         // Sine of the full angle between the links, from the half angle.
         let sine = 2.0 * (0.5 * apart / distal) * (height / distal);
-        if sine < LEAST_SINE {
+        if sine < MIN_SINE {
             return Err(NoPose::Singular);
         }
         let across = [-between[1] / apart, between[0] / apart];
@@ -136,7 +136,7 @@ impl ArmPose {
     /// Returns the fraction of a force that is produced in this pose, 0 to 1; it fades towards a singular pose.
     #[must_use]
     pub fn fading(&self) -> f64 {
-        ((self.sine - LEAST_SINE) / (FULL_SINE - LEAST_SINE)).clamp(0.0, 1.0)
+        ((self.sine - MIN_SINE) / (FULL_SINE - MIN_SINE)).clamp(0.0, 1.0)
     }
 
     /// Returns the largest force along the unit vector `direction` with torques up to `largest` `[N m]`, as the driver

@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::thread::{Builder, JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
-use palpate_rt::guardian::{Guardian, Unguarded};
+use palpate_rt::watchdog::{Unguarded, Watchdog};
 
 use super::layout::Layout;
 use super::packet::{SETUP_LENGTH, STATE_LENGTH, release, state};
@@ -58,7 +58,7 @@ struct Outgoing {
     rest: std::ops::Range<usize>,
     /// Whether that packet is a STATE, which the board answers.
     is_answered: bool,
-    guardian: Option<Guardian>,
+    watchdog: Option<Watchdog>,
     /// Whether the watchdog process was notified that a torque may be on.
     is_armed: bool,
 }
@@ -76,7 +76,7 @@ struct Shared {
     /// Number of zero-torque commands sent because one was pending.
     cuts: AtomicU64,
     /// Number of zero-torque commands by the watchdog process.
-    guardian_cuts: AtomicU64,
+    watchdog_cuts: AtomicU64,
     /// Reason for the loss of the watchdog process.
     unguarded: OnceLock<Unguarded>,
     closing: AtomicBool,
@@ -106,14 +106,14 @@ impl Line {
                 begun: [0; SETUP_LENGTH],
                 rest: 0..0,
                 is_answered: false,
-                guardian: None,
+                watchdog: None,
                 is_armed: false,
             }),
             wished: AtomicU64::new(0),
             met: AtomicU64::new(0),
             requests: AtomicU64::new(0),
             cuts: AtomicU64::new(0),
-            guardian_cuts: AtomicU64::new(0),
+            watchdog_cuts: AtomicU64::new(0),
             unguarded: OnceLock::new(),
             closing: AtomicBool::new(false),
         });
@@ -149,31 +149,31 @@ impl Line {
     }
 
     /// Installs a watchdog process, which is notified before each torque is sent. The torque must be zero.
-    pub fn guard(&self, guardian: Guardian) {
-        self.shared.locked().guardian = Some(guardian);
+    pub fn guard(&self, watchdog: Watchdog) {
+        self.shared.locked().watchdog = Some(watchdog);
     }
 
     /// Ends the watchdog process, because the board holds zero torque or is unreachable. Waits until the process has
     /// ended.
-    pub fn dismiss_guardian(&self) {
+    pub fn dismiss_watchdog(&self) {
         // Release the mutex before waiting.
-        let guardian = self.shared.locked().guardian.take();
-        if let Some(guardian) = guardian {
-            guardian.dismiss();
+        let watchdog = self.shared.locked().watchdog.take();
+        if let Some(watchdog) = watchdog {
+            watchdog.dismiss();
         }
     }
 
     /// Checks whether the watchdog process has cut the torque.
-    pub fn listen_to_guardian(&self) {
+    pub fn listen_to_watchdog(&self) {
         // A pending zero-torque command is sent by the next packet or the sender thread.
         if let Ok(mut outgoing) = self.shared.try_locked() {
-            let _ = self.shared.heed_guardian(&mut outgoing);
+            let _ = self.shared.heed_watchdog(&mut outgoing);
         }
     }
 
     /// Returns the number of zero-torque commands by the watchdog process.
-    pub fn guardian_cuts(&self) -> u64 {
-        self.shared.guardian_cuts.load(Ordering::Acquire)
+    pub fn watchdog_cuts(&self) -> u64 {
+        self.shared.watchdog_cuts.load(Ordering::Acquire)
     }
 
     /// Returns the reason for the loss of the watchdog process, if it is lost.
@@ -259,8 +259,8 @@ impl Drop for Line {
             let _ = waiting.join();
         }
         // An undismissed watchdog process keeps trying. Drop it here, because a supervisor may keep `shared` alive.
-        let guardian = self.shared.locked().guardian.take();
-        drop(guardian);
+        let watchdog = self.shared.locked().watchdog.take();
+        drop(watchdog);
     }
 }
 
@@ -304,7 +304,7 @@ impl Shared {
         send: impl FnOnce(&Self, &mut Outgoing) -> Result<T, Unsent>,
     ) -> Result<T, Unsent> {
         let mut outgoing = self.try_locked()?;
-        self.heed_guardian(&mut outgoing)?;
+        self.heed_watchdog(&mut outgoing)?;
         self.send_wanted(&mut outgoing)?;
         send(self, &mut outgoing)
     }
@@ -327,29 +327,29 @@ impl Shared {
     /// Applies the actions of the watchdog process. After a cut, the driver sends zero torque again with a packet that
     /// the board accepts in any state, because one of its own packets may have been interrupted. If the watchdog
     /// process is lost, it requests zero torque.
-    fn heed_guardian(&self, outgoing: &mut Outgoing) -> Result<(), Unsent> {
-        let Some(guardian) = &outgoing.guardian else {
+    fn heed_watchdog(&self, outgoing: &mut Outgoing) -> Result<(), Unsent> {
+        let Some(watchdog) = &outgoing.watchdog else {
             return Ok(());
         };
-        match guardian.has_cut() {
+        match watchdog.has_cut() {
             Ok(false) => Ok(()),
             Ok(true) => {
                 outgoing.rest = 0..0;
                 outgoing.is_answered = false;
                 outgoing.held = [0.0; 2];
                 self.cuts.fetch_add(1, Ordering::AcqRel);
-                self.guardian_cuts.fetch_add(1, Ordering::AcqRel);
+                self.watchdog_cuts.fetch_add(1, Ordering::AcqRel);
                 let packet = release(&outgoing.layout);
                 self.begin(outgoing, &packet, true)
             }
             Err(how) => {
-                self.lose_guardian(outgoing, how);
+                self.lose_watchdog(outgoing, how);
                 Ok(())
             }
         }
     }
 
-    fn lose_guardian(&self, outgoing: &mut Outgoing, how: Unguarded) {
+    fn lose_watchdog(&self, outgoing: &mut Outgoing, how: Unguarded) {
         // It is dropped later, by a thread that may wait. The caller holds the lock, so there is no race.
         if self.unguarded.set(how).is_ok() {
             self.wished.fetch_add(1, Ordering::AcqRel);
@@ -362,11 +362,11 @@ impl Shared {
         if let Some(how) = self.unguarded.get() {
             return Err(Unsent::Unguarded(*how));
         }
-        let Some(guardian) = &outgoing.guardian else {
+        let Some(watchdog) = &outgoing.watchdog else {
             return Ok(());
         };
-        if let Err(how) = guardian.force() {
-            self.lose_guardian(outgoing, how);
+        if let Err(how) = watchdog.force() {
+            self.lose_watchdog(outgoing, how);
             return Err(Unsent::Unguarded(how));
         }
         outgoing.is_armed = true;
@@ -375,9 +375,9 @@ impl Shared {
 
     /// Notifies the watchdog process that the torque is zero, unless it already knows.
     fn stand_down(&self, outgoing: &mut Outgoing) {
-        if let Some(guardian) = outgoing.guardian.as_ref().filter(|_| outgoing.is_armed) {
-            if let Err(how) = guardian.none() {
-                self.lose_guardian(outgoing, how);
+        if let Some(watchdog) = outgoing.watchdog.as_ref().filter(|_| outgoing.is_armed) {
+            if let Err(how) = watchdog.none() {
+                self.lose_watchdog(outgoing, how);
             }
             outgoing.is_armed = false;
         }

@@ -163,7 +163,7 @@ impl<C: Clock> TwoDiy<C> {
         let mut moved = [0.0_f32; 2];
         while begun.elapsed() < LONGEST_PULSE && moved.iter().all(|by| by.abs() < FARTHEST) {
             std::thread::sleep(Duration::from_millis(1));
-            go_on(stop)?;
+            resume(stop)?;
             match self.ask_angles() {
                 Ok(angles) => moved = [0, 1].map(|k| angles[k] - start[k]),
                 Err(error) if error.kind == DeviceErrorKind::NothingNew => {}
@@ -183,7 +183,7 @@ impl<C: Clock> TwoDiy<C> {
         let mut kept: Option<([f32; 2], Instant)> = None;
         while begun.elapsed() < LONGEST_REST {
             std::thread::sleep(Duration::from_millis(2));
-            go_on(stop)?;
+            resume(stop)?;
             let angles = match self.ask_angles() {
                 Err(error) if error.kind == DeviceErrorKind::NothingNew => continue,
                 answered => answered?,
@@ -211,7 +211,7 @@ fn refused(what: &'static str) -> Unchecked {
     Unchecked::Device(DeviceError::new(DeviceErrorKind::Refused, what))
 }
 
-fn go_on(stop: &StopFlag) -> Result<(), Unchecked> {
+fn resume(stop: &StopFlag) -> Result<(), Unchecked> {
     if stop.is_raised() {
         Err(Unchecked::Stopped)
     } else {

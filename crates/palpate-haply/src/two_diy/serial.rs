@@ -23,7 +23,7 @@ const BAUD: u32 = 115_200;
 pub struct Gone;
 
 /// Maximum number of bytes to discard if the system has no call for it.
-const MOST_FORGOTTEN: usize = 1 << 16;
+const MAX_FORGOTTEN: usize = 1 << 16;
 
 /// An open port with exclusive access: a terminal in raw mode, or a Unix socket of a program that serves a board, such
 /// as an emulator.
@@ -90,7 +90,7 @@ impl Serial {
         }
         let mut bytes = [0; 256];
         let mut forgotten = 0;
-        while forgotten < MOST_FORGOTTEN {
+        while forgotten < MAX_FORGOTTEN {
             match self.read(&mut bytes) {
                 Ok(0) | Err(Gone) => return,
                 Ok(read) => forgotten += read,

@@ -139,8 +139,8 @@ pub enum OpenError {
     BrokenAnswer(u8),
     /// The first angles are those of another board.
     #[error(
-        "the first angles, {} degrees, are those of the board `{found}`, not of `{told}`",
-        pair(.angles), found = .found.name(), told = .told.name()
+        "the first angles, {} degrees, are those of the board `{found}`, not of `{messages}`",
+        pair(.angles), found = .found.name(), messages = .messages.name()
     )]
     OtherBoard {
         /// Received angles `[degrees]`.
@@ -148,7 +148,7 @@ pub enum OpenError {
         /// Board that matches these angles.
         found: Board,
         /// Board given in the options.
-        told: Board,
+        messages: Board,
     },
     /// The first angles do not match the start pose.
     #[error(
@@ -332,27 +332,27 @@ fn board(options: &Options, angles: [f32; 2]) -> Result<Board, OpenError> {
             .iter()
             .enumerate()
             .zip(angles)
-            .all(|((joint, told), angle)| {
-                let first = board.first_angle(told.start, told.counts_per_rev);
+            .all(|((joint, messages), angle)| {
+                let first = board.first_angle(messages.start, messages.counts_per_rev);
                 (f64::from(angle) - first).abs() <= quanta * board.quantum(&options.layout, joint)
             })
     };
     // Tolerance for `f32` rounding, well below one count.
     let is_exact = |board: &Board| is_within(*board, 0.05);
     let exact = Board::ALL.into_iter().find(is_exact);
-    let told = options.board.unwrap_or(options.usual_board);
-    if is_exact(&told) {
-        return Ok(told);
+    let messages = options.board.unwrap_or(options.usual_board);
+    if is_exact(&messages) {
+        return Ok(messages);
     }
     match (exact, options.board) {
         (Some(found), None) => Ok(found),
-        (Some(found), Some(told)) => Err(OpenError::OtherBoard {
+        (Some(found), Some(messages)) => Err(OpenError::OtherBoard {
             angles,
             found,
-            told,
+            messages,
         }),
         // A hand moved the arm by one or two counts.
-        (None, _) if is_within(told, 3.0) => Ok(told),
+        (None, _) if is_within(messages, 3.0) => Ok(messages),
         (None, _) => Err(OpenError::NotInPose {
             angles,
             start: joints.map(|joint| joint.start),

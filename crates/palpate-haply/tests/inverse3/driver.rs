@@ -198,7 +198,7 @@ fn a_loop_that_reads_faster_than_the_service_answers_finds_nothing_new() {
     })
     .unwrap();
     let mut device = open(&emulator);
-    println!("round trip {:?}", device.round_trip());
+    println!("round safety stop {:?}", device.round_trip());
     assert!(device.round_trip() >= ms(4));
     let mut last = next(&mut device).time;
     for _ in 0..5 {

@@ -8,9 +8,9 @@ use palpate_device::clock::MonotonicClock;
 use palpate_haply::inverse3::{Form, Inspector, Inverse3};
 use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault, Latency, holding};
 use palpate_rt::realtime::Request;
-use palpate_rt::safety::{SafetyParams, Trip};
+use palpate_rt::safety::{SafetyParams, SafetyStop};
 use palpate_rt::{
-    ControlLoop, Ending, Listener, LoopEnd, LoopThread, Note, Rendering, StopFlag, Told,
+    ControlLoop, Ending, Listener, LoopEnd, LoopThread, Message, Note, Rendering, StopFlag,
 };
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
@@ -93,15 +93,15 @@ impl Run {
         let end = self.running.join();
         println!("{:?}", self.inspector.counts());
         let (mut ticks, mut notes) = (Vec::new(), Vec::new());
-        for told in self.listener {
-            match told {
-                Told::Tick(tick, contacts, _, _) => {
+        for messages in self.listener {
+            match messages {
+                Message::Tick(tick, contacts, _, _) => {
                     let missing = tick
                         .flags
                         .has(palpate_record::recording::Flags::DEVICE_FAULT);
                     ticks.push((missing, contacts[0].force_on_device));
                 }
-                Told::Note(noted) => notes.push(noted.note),
+                Message::Note(noted) => notes.push(noted.note),
             }
         }
         Heard { ticks, notes, end }
@@ -154,17 +154,21 @@ fn a_wall_pushes_back_through_latency_and_jitter() {
             (place - 1.667e-3).abs() < 1e-4 && (force + 0.833).abs() < 0.05
         });
         let (force, place) = at_the_median(&emulator);
-        let told = run.end();
-        let missing = told.ticks.iter().filter(|(missing, _)| *missing).count();
+        let messages = run.end();
+        let missing = messages
+            .ticks
+            .iter()
+            .filter(|(missing, _)| *missing)
+            .count();
         println!(
             "{form:?}, {latency:?}: {force:.3} N at {:.3} mm; {missing} of {} ticks without a sample",
             place * 1e3,
-            told.ticks.len()
+            messages.ticks.len()
         );
-        assert_eq!(told.end.ending, Ending::Stopped);
-        told.no_force_after_two_periods_without_a_sample();
+        assert_eq!(messages.end.ending, Ending::Stopped);
+        messages.no_force_after_two_periods_without_a_sample();
         // The last command was zero force.
-        drop(told);
+        drop(messages);
         assert_eq!(emulator.received().last().unwrap().force, Some([0.0; 3]));
     }
 }
@@ -197,15 +201,28 @@ fn what_passes_takes_the_force_away_and_gives_it_back() {
             injected.elapsed()
         );
         run.until_it_pushes(&emulator);
-        let told = run.end();
+        let messages = run.end();
         // On a busy machine the loop itself may be late first.
-        let passing = [Trip::StaleSample, Trip::Stalled];
-        let noted =
-            |note: fn(Trip) -> Note| passing.iter().any(|trip| told.notes.contains(&note(*trip)));
-        assert!(noted(Note::Tripped), "{:?}: {:?}", faults[0], told.notes);
-        assert!(noted(Note::Recovered), "{:?}: {:?}", faults[0], told.notes);
-        assert_eq!(told.end.ending, Ending::Stopped);
-        told.no_force_after_two_periods_without_a_sample();
+        let passing = [SafetyStop::StaleSample, SafetyStop::Stalled];
+        let noted = |note: fn(SafetyStop) -> Note| {
+            passing
+                .iter()
+                .any(|safety_stop| messages.notes.contains(&note(*safety_stop)))
+        };
+        assert!(
+            noted(Note::Stopped),
+            "{:?}: {:?}",
+            faults[0],
+            messages.notes
+        );
+        assert!(
+            noted(Note::Recovered),
+            "{:?}: {:?}",
+            faults[0],
+            messages.notes
+        );
+        assert_eq!(messages.end.ending, Ending::Stopped);
+        messages.no_force_after_two_periods_without_a_sample();
     }
 }
 
@@ -227,15 +244,15 @@ fn what_stays_ends_the_run_with_its_reason_and_it_can_be_run_again() {
         }
         wait_until("the end of the run", || run.running.has_ended());
         wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
-        let told = run.end();
-        assert_eq!(told.end.ending, Ending::DeviceLost, "{fault:?}");
-        assert_eq!(told.end.trip, Some(Trip::DeviceLost));
-        let said = told
+        let messages = run.end();
+        assert_eq!(messages.end.ending, Ending::DeviceLost, "{fault:?}");
+        assert_eq!(messages.end.safety_stop, Some(SafetyStop::DeviceLost));
+        let said = messages
             .notes
             .iter()
             .any(|note| matches!(note, Note::Device(error) if error.what.contains(words)));
-        assert!(said, "{fault:?}: {:?}", told.notes);
-        told.no_force_after_two_periods_without_a_sample();
+        assert!(said, "{fault:?}: {:?}", messages.notes);
+        messages.no_force_after_two_periods_without_a_sample();
     }
 }
 
@@ -245,10 +262,10 @@ fn a_device_that_takes_no_force_any_more_is_let_go_until_somebody_rearms() {
     let mut run = Run::on(&emulator);
     run.until_it_pushes(&emulator);
     emulator.set_status(ID, |status| status.ready = Some(false));
-    let tripped = Note::Tripped(Trip::DeviceRefused);
-    wait_until("the trip", || {
-        let told = run.listener.by_ref();
-        told.any(|told| matches!(told, Told::Note(noted) if noted.note == tripped))
+    let stopped = Note::Stopped(SafetyStop::DeviceRefused);
+    wait_until("the safety stop", || {
+        let messages = run.listener.by_ref();
+        messages.any(|messages| matches!(messages, Message::Note(noted) if noted.note == stopped))
     });
     wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
     emulator.set_status(ID, |status| status.ready = Some(true));

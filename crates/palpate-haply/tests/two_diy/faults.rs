@@ -1,15 +1,17 @@
 use palpate_haply_emulator::two_diy::{Fault, PortSettings};
 use palpate_record::recording::{Flags, Row};
 use palpate_rt::realtime::Request;
-use palpate_rt::{Ending, LoopEnd, LoopThread, Note, Noted, StopFlag, Told, safety::Trip, tap};
+use palpate_rt::{
+    Ending, LoopEnd, LoopEvent, LoopThread, Message, Note, StopFlag, safety::SafetyStop, tap,
+};
 
 use super::*;
 
 struct Ran {
     ticks: Vec<Row>,
-    notes: Vec<Noted>,
+    notes: Vec<LoopEvent>,
     ending: Ending,
-    trip: Option<Trip>,
+    safety_stop: Option<SafetyStop>,
     /// Time of the fault since the loop's start `[s]`.
     injected: f64,
     struck: Instant,
@@ -31,7 +33,7 @@ fn with(fault: Fault, comes_back: bool) -> Ran {
     std::thread::sleep(Duration::from_millis(100));
     let struck = Instant::now();
     let injected = started.elapsed().as_secs_f64();
-    emulator.suffer(fault);
+    emulator.inject_faults(fault);
     std::thread::sleep(Duration::from_millis(500));
     // However busy the machine is: until the force has been back for a while, if it is expected back.
     let since = Instant::now();
@@ -47,7 +49,7 @@ fn with(fault: Fault, comes_back: bool) -> Ran {
     stop.raise();
     let LoopEnd {
         ending,
-        trip,
+        safety_stop,
         panic,
         control,
         ..
@@ -55,17 +57,17 @@ fn with(fault: Fault, comes_back: bool) -> Ran {
     assert_eq!(panic, None, "{name}");
     drop(control);
     let (mut ticks, mut notes) = (Vec::new(), Vec::new());
-    for told in listener {
-        match told {
-            Told::Tick(tick, contacts, _, _) => ticks.extend(Row::of(tick, &contacts)),
-            Told::Note(noted) => notes.push(noted),
+    for messages in listener {
+        match messages {
+            Message::Tick(tick, contacts, _, _) => ticks.extend(Row::of(tick, &contacts)),
+            Message::Note(noted) => notes.push(noted),
         }
     }
     Ran {
         ticks,
         notes,
         ending,
-        trip,
+        safety_stop,
         injected,
         struck,
         emulator,
@@ -81,10 +83,10 @@ impl Ran {
         })
     }
 
-    fn tripped(&self, trip: Trip) -> bool {
+    fn stopped(&self, safety_stop: SafetyStop) -> bool {
         self.notes
             .iter()
-            .any(|noted| noted.note == Note::Tripped(trip))
+            .any(|noted| noted.note == Note::Stopped(safety_stop))
     }
 
     /// Checks that the last force is held for at most one period without a good sample.
@@ -150,7 +152,7 @@ fn a_board_that_stands_still_finds_no_force_when_it_goes_on() {
         let ran = with(Fault::Stall(stall), true);
         ran.no_force_after_two_periods(&what);
         ran.has_recovered(&what);
-        assert!(ran.tripped(Trip::StaleSample), "{what}");
+        assert!(ran.stopped(SafetyStop::StaleSample), "{what}");
         let seen = ran.emulator.seen();
         came_whole_and_without_torque_at_resets(&seen);
         let gap = seen
@@ -177,7 +179,12 @@ fn a_board_that_stands_still_finds_no_force_when_it_goes_on() {
 fn encoders_that_lose_count_end_the_force_until_somebody_looks() {
     let _alone = alone();
     let ran = with(Fault::Slip(170.0), false);
-    assert_eq!(ran.trip, Some(Trip::DeviceRefused), "{:?}", ran.notes);
+    assert_eq!(
+        ran.safety_stop,
+        Some(SafetyStop::DeviceRefused),
+        "{:?}",
+        ran.notes
+    );
     assert!(ran.said("jumped and stay"), "{:?}", ran.notes);
     ran.no_force_after_two_periods("slip");
     assert_eq!(ran.ticks.last().unwrap().contact.force_on_device, 0.0);
@@ -202,18 +209,21 @@ fn a_cable_that_is_pulled_ends_the_run_and_can_be_put_back() {
     let stop = StopFlag::new();
     let running = LoopThread::start(control, Request::nothing(), &stop, None).unwrap();
     wait_until("a force", || !is_none(emulator.torques()));
-    emulator.suffer(Fault::Unplug(Duration::from_millis(100)));
+    emulator.inject_faults(Fault::Unplug(Duration::from_millis(100)));
     wait_until("the end", || running.has_ended());
     let end = running.join();
     assert_eq!(end.ending, Ending::DeviceLost);
     drop(end);
     let said: Vec<_> = listener
-        .filter_map(|told| match told {
-            Told::Note(noted) => Some(noted.note),
-            Told::Tick(..) => None,
+        .filter_map(|messages| match messages {
+            Message::Note(noted) => Some(noted.note),
+            Message::Tick(..) => None,
         })
         .collect();
-    assert!(said.contains(&Note::Tripped(Trip::DeviceLost)), "{said:?}");
+    assert!(
+        said.contains(&Note::Stopped(SafetyStop::DeviceLost)),
+        "{said:?}"
+    );
     let names_the_port =
         |note: &Note| matches!(note, Note::Device(error) if error.what.contains("port is gone"));
     assert!(said.iter().any(names_the_port), "{said:?}");

@@ -143,7 +143,7 @@ fn the_zero_writer_waits_for_nobody() {
     sample(&mut device);
     device.write([0.0, -1.0, 0.0].into()).unwrap();
     pressing(&emulator);
-    emulator.suffer(Fault::Stall(Duration::from_millis(200)));
+    emulator.inject_faults(Fault::Stall(Duration::from_millis(200)));
     std::thread::sleep(Duration::from_millis(5));
     let clock = crate::clock();
     let begun = clock.now();
@@ -165,7 +165,7 @@ fn a_device_whose_guardian_cannot_be_started_is_closed_again() {
     let _alone = alone();
     let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
     for (program, words) in [
-        ("/there/is/no/guardian", "cannot be started"),
+        ("/there/is/no/watchdog", "cannot be started"),
         ("true", "does not answer"),
     ] {
         let device = open_in_the_middle(&emulator, SLOW);

@@ -85,10 +85,10 @@ fn a_check_gets_over_answers_that_are_lost() {
     std::thread::sleep(Duration::from_millis(1100));
     device.check_motors(&StopFlag::new()).unwrap();
     for _ in 0..3 {
-        emulator.suffer(Fault::NoAnswer);
+        emulator.inject_faults(Fault::NoAnswer);
     }
     device.check_motors(&StopFlag::new()).unwrap();
-    assert!(emulator.has_suffered(), "no answer was lost");
+    assert!(emulator.has_injected_fault(), "no answer was lost");
 }
 
 #[test]

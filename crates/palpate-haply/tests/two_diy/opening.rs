@@ -33,9 +33,9 @@ fn every_generation_opens_on_every_board_and_makes_the_force_it_is_asked_for() {
                 }
                 // Kinematics of the testbed as reference solution, not the driver's.
                 let links = options.layout.geometry;
-                let judge = Geometry::new(links.proximal, links.distal, links.base).unwrap();
+                let reference = Geometry::new(links.proximal, links.distal, links.base).unwrap();
                 let angles = device.angles().map(|angle| f64::from(angle).to_radians());
-                let pose = judge.forward(angles).unwrap();
+                let pose = reference.forward(angles).unwrap();
                 for k in 0..2 {
                     assert!(
                         (reading.position[k] - pose.position[k]).abs() < 1e-9,

@@ -1,6 +1,6 @@
 use palpate_record::recording::{Flags, Row};
 use palpate_rt::realtime::Request;
-use palpate_rt::{LoopThread, StopFlag, Told, tap};
+use palpate_rt::{LoopThread, Message, StopFlag, tap};
 
 use super::*;
 
@@ -26,9 +26,9 @@ fn a_wall_holds_a_hand() {
     drop(end);
     assert!(is_none(emulator.torques()));
     let ticks: Vec<_> = listener
-        .filter_map(|told| match told {
-            Told::Tick(tick, contacts, _, _) => Row::of(tick, &contacts).next(),
-            Told::Note(_) => None,
+        .filter_map(|messages| match messages {
+            Message::Tick(tick, contacts, _, _) => Row::of(tick, &contacts).next(),
+            Message::Note(_) => None,
         })
         .collect();
     let fresh: Vec<_> = ticks

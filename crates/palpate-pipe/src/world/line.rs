@@ -1,7 +1,7 @@
 //! Parser of an input line of a world: the positions of all devices, or a header.
 
 use palpate_record::unit::LengthUnit;
-use palpate_world::{NOT_TURNED, Quaternion, Vector};
+use palpate_world::{IDENTITY, Quaternion, Vector};
 
 use crate::line::{Refusal, is_named};
 
@@ -145,7 +145,7 @@ impl WorldFormat {
             sample.orientations.push(if device.turns {
                 std::array::from_fn(|_| next())
             } else {
-                NOT_TURNED
+                IDENTITY
             });
         }
         Ok(sample)
@@ -214,7 +214,7 @@ mod tests {
         format.devices[0].gives_torque = true;
         let sample = format.parse("1,2,3,0.8,0.6,0,0,4,5,6").unwrap();
         assert_eq!(sample.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
-        assert_eq!(sample.orientations, [[0.8, 0.6, 0.0, 0.0], NOT_TURNED]);
+        assert_eq!(sample.orientations, [[0.8, 0.6, 0.0, 0.0], IDENTITY]);
         let columns = "tool.x_m,tool.y_m,tool.z_m,tool.qw,tool.qx,tool.qy,tool.qz,finger.x_m,finger.y_m,finger.z_m";
         assert_eq!(format.columns().join(","), columns);
         assert_eq!(

@@ -6,8 +6,8 @@ use palpate::Fault;
 use palpate_device::Wrench;
 use palpate_record::unit::HandMotion;
 use palpate_rt::BoundedWorld;
-use palpate_rt::safety::Trip;
-use palpate_world::{ContactState, NOT_TURNED, Sample, Vector};
+use palpate_rt::safety::SafetyStop;
+use palpate_world::{ContactState, IDENTITY, Sample, Vector};
 
 use super::line::{self, WorldFormat};
 use super::names::Names;
@@ -20,7 +20,7 @@ use crate::serving::{Answering, Stopped};
 use crate::summary::stop_in_words;
 
 /// Number of rejected lines that are reported one by one; beyond it each doubling is reported.
-const TOLD_EACH: u64 = 8;
+const REPORTED_EACH: u64 = 8;
 
 /// The renderer of a world between two streams, with its state between two lines.
 pub struct WorldStream {
@@ -84,13 +84,7 @@ impl WorldStream {
         // NaN informs the renderer of a lost sample.
         let devices = self.format.devices.len();
         let (time, positions, orientations) = sample.map_or_else(
-            || {
-                (
-                    None,
-                    vec![[f64::NAN; 3]; devices],
-                    vec![NOT_TURNED; devices],
-                )
-            },
+            || (None, vec![[f64::NAN; 3]; devices], vec![IDENTITY; devices]),
             |sample| (sample.time, sample.positions, sample.orientations),
         );
         let elapsed = match (time, self.memory.last_time) {
@@ -127,12 +121,12 @@ impl WorldStream {
         self.summary.softened += u64::from(bounded.soft_start);
         if bounded.stopped
             && self.summary.safety_stop.is_none()
-            && let Some(trip) = self.world.trip()
+            && let Some(safety_stop) = self.world.safety_stop()
         {
-            self.summary.safety_stop = Some(trip.name());
+            self.summary.safety_stop = Some(safety_stop.name());
             self.tell(format_args!(
                 "line {number}: {}",
-                stop_in_words(self.world.limits(), trip)
+                stop_in_words(self.world.limits(), safety_stop)
             ));
         }
         if shortened && !self.memory.is_limited {
@@ -146,8 +140,8 @@ impl WorldStream {
         if limited.offset && !self.memory.is_far {
             self.memory.is_far = true;
             self.tell(format_args!(
-                "line {number}: a tool's avatar is as far from its device as it may be, 10 mm or 0.3 rad: what it touches seems to \
-                 stand elsewhere until the avatar has come back"
+                "line {number}: a tool's proxy is as far from its device as it may be, 10 mm or 0.3 rad: what it touches seems to \
+                 stand elsewhere until the proxy has come back"
             ));
         }
         if fault.is_none() && !self.memory.is_begun {
@@ -164,7 +158,7 @@ impl WorldStream {
         let through: Vec<String> = through.map(|pair| self.names.through(pair)).collect();
         for words in through {
             self.summary.went_through += 1;
-            if self.summary.went_through <= TOLD_EACH {
+            if self.summary.went_through <= REPORTED_EACH {
                 self.tell(format_args!("line {number}: {words}"));
             }
         }
@@ -249,7 +243,7 @@ impl WorldStream {
     fn tell_refused(&mut self, number: u64, why: &str) {
         self.summary.refused += 1;
         let refused = self.summary.refused;
-        if refused <= TOLD_EACH {
+        if refused <= REPORTED_EACH {
             self.tell(format_args!("line {number}: {why}; all forces are 0"));
         } else if refused.is_power_of_two() {
             let next = refused.saturating_mul(2);
@@ -323,8 +317,10 @@ impl Answering for WorldStream {
         self.memory.is_ended
     }
 
-    fn safety_stop(&self) -> Option<Trip> {
-        self.world.trip().filter(|trip| !trip.is_passing())
+    fn safety_stop(&self) -> Option<SafetyStop> {
+        self.world
+            .safety_stop()
+            .filter(|safety_stop| !safety_stop.is_passing())
     }
 
     fn has_refused_all(&self) -> bool {
@@ -341,7 +337,7 @@ impl Answering for WorldStream {
     }
 
     fn finish(&mut self) -> (WorldSummary, Option<Messages>) {
-        let summary = self.summary.with_books(self.world.state().books());
+        let summary = self.summary.with_ledger(self.world.state().ledger());
         (summary, self.messages.take())
     }
 }

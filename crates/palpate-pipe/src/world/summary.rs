@@ -3,7 +3,7 @@
 use std::fmt;
 
 use palpate_study::text::counted;
-use palpate_world::Books;
+use palpate_world::EnergyLedger;
 use serde::Serialize;
 
 use crate::number::millijoules;
@@ -73,10 +73,10 @@ impl WorldSummary {
 
     /// Returns a copy with the values of the energy ledger; [`leak_held_j`](Self::leak_held_j) is summed line by line.
     #[must_use]
-    pub fn with_books(&self, books: &Books) -> Self {
+    pub fn with_ledger(&self, ledger: &EnergyLedger) -> Self {
         Self {
-            dissipated_j: books.dissipated(),
-            port_work_j: books.devices.iter().map(|book| book.port_work).sum(),
+            dissipated_j: ledger.dissipated(),
+            port_work_j: ledger.devices.iter().map(|entry| entry.port_work).sum(),
             ..self.clone()
         }
     }

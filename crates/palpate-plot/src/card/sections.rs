@@ -332,8 +332,8 @@ pub fn contact(of: &ContactCard, figures: &mut Figures) -> Result<String, SizeEr
             in_percent(of.mean_force_error_percent),
         ),
         (
-            "hold floor: no held force has less",
-            in_percent(of.hold_floor_percent),
+            "hold bound: no held force has less",
+            in_percent(of.hold_bound_percent),
         ),
         (
             "FRE: whole error, FRE² = floor² + E²",

@@ -46,8 +46,8 @@ pub enum MergeError {
         found: Option<Format>,
     },
     /// A part lacks required metadata.
-    #[error("{file}: the receipt has no number under {key}")]
-    Receipt {
+    #[error("{file}: the metadata has no number under {key}")]
+    RecordingMetadata {
         /// The part.
         file: String,
         /// The key.
@@ -110,15 +110,15 @@ pub fn merge(parts: Vec<(String, Map)>) -> Result<Map, MergeError> {
     }
     let count = |key: &'static str| {
         let value = reference.value(key).and_then(|value| value.parse().ok());
-        value.ok_or_else(|| MergeError::Receipt {
+        value.ok_or_else(|| MergeError::RecordingMetadata {
             file: first.clone(),
             key,
         })
     };
     let cells: u64 = count(CELLS)?;
     let lines = usize::try_from(count(LINES_PER_CELL)?).unwrap_or(usize::MAX);
-    let mut receipt = reference.receipt.clone();
-    for (key, value) in &mut receipt {
+    let mut metadata = reference.metadata.clone();
+    for (key, value) in &mut metadata {
         if key == SHARD {
             *value = "1/1".to_owned();
         }
@@ -163,7 +163,7 @@ pub fn merge(parts: Vec<(String, Map)>) -> Result<Map, MergeError> {
         });
     }
     let rows = by_cell.into_values().flat_map(|(_, rows)| rows).collect();
-    Ok(Map { receipt, rows })
+    Ok(Map { metadata, rows })
 }
 
 /// Returns the parts of a series that are missing in `given`.
@@ -191,7 +191,7 @@ fn same_map(first: &str, reference: &Map, other: &str, part: &Map) -> Result<(),
             found,
         });
     }
-    let keys = reference.receipt.iter().chain(&part.receipt);
+    let keys = reference.metadata.iter().chain(&part.metadata);
     for (key, _) in keys.filter(|(key, _)| key != SHARD) {
         let (expected, found) = (reference.value(key), part.value(key));
         if expected != found {
@@ -257,7 +257,7 @@ mod tests {
     #[test]
     fn parts_of_different_maps_or_versions_are_told_apart() {
         let mut given = parts(2);
-        given[1].1.receipt[0].1 = "0.2.0".into();
+        given[1].1.metadata[0].1 = "0.2.0".into();
         assert_eq!(
             merge(given).unwrap_err().to_string(),
             "p1.csv and p2.csv are not parts of one map: palpate_version is 0.1.0 in the first \
@@ -266,7 +266,7 @@ mod tests {
         let mut given = parts(2);
         given[0]
             .1
-            .receipt
+            .metadata
             .push(("delay_samples".into(), "1".into()));
         let error = merge(given).unwrap_err().to_string();
         assert!(

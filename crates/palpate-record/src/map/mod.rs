@@ -23,7 +23,7 @@ use thiserror::Error;
 
 use palpate_files::bounded::TABLE;
 
-use crate::run::receipt;
+use crate::run::metadata;
 
 /// Metadata keys that the file format computes itself.
 const OWN: [&str; 2] = ["lines", "checksum"];
@@ -41,7 +41,7 @@ pub const LINES_PER_CELL: &str = "lines_per_cell";
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
     /// Metadata in order, without number of lines and checksum.
-    pub receipt: Vec<(String, String)>,
+    pub metadata: Vec<(String, String)>,
     /// Lines in the order of their cells.
     pub rows: Vec<Row>,
 }
@@ -93,7 +93,7 @@ impl Map {
     /// Returns the value of a metadata key.
     #[must_use]
     pub fn value(&self, key: &str) -> Option<&str> {
-        self.receipt
+        self.metadata
             .iter()
             .find(|(name, _)| name == key)
             .map(|(_, value)| value.as_str())
@@ -119,10 +119,10 @@ impl Map {
             checksum.add(line.as_bytes());
             checksum.add(b"\n");
         }
-        let mut receipt = self.receipt.clone();
-        receipt.push(("lines".into(), lines.len().to_string()));
-        receipt.push(("checksum".into(), checksum.text()));
-        let json = receipt::to_json(&receipt)
+        let mut metadata = self.metadata.clone();
+        metadata.push(("lines".into(), lines.len().to_string()));
+        metadata.push(("checksum".into(), checksum.text()));
+        let json = metadata::to_json(&metadata)
             .map_err(|key| io::Error::other(format!("the key `{key}` is empty or stands twice")))?;
         out.write_all(format.head().as_bytes())?;
         for (number, line) in lines.iter().enumerate() {
@@ -176,7 +176,7 @@ impl Map {
         if !body.ends_with('\n') {
             return Err(torn("its last line has no end".into()));
         }
-        let mut receipt = None;
+        let mut metadata = None;
         let mut rows = Vec::new();
         let mut checksum = Checksum::new();
         for (number, line) in body.lines().enumerate() {
@@ -189,21 +189,26 @@ impl Map {
                     .strip_prefix('"')
                     .and_then(|rest| rest.strip_suffix('"'))
                     .map(|json| json.replace("\"\"", "\""))
-                    .ok_or_else(|| at_line(2, "the receipt is missing".into()))?;
-                receipt = Some(
-                    receipt::from_json(&json)
-                        .map_err(|error| at_line(2, format!("the receipt: {error}")))?,
+                    .ok_or_else(|| at_line(2, "the metadata is missing".into()))?;
+                metadata = Some(
+                    metadata::from_json(&json)
+                        .map_err(|error| at_line(2, format!("the metadata: {error}")))?,
                 );
             } else if !rest.is_empty() {
                 return Err(at_line(
                     number + 2,
-                    "only the first line has a receipt".into(),
+                    "only the first line has metadata".into(),
                 ));
             }
             rows.push(Row::from_line(row, format).map_err(|fault| at_line(number + 2, fault))?);
         }
-        let mut receipt = receipt.ok_or_else(|| torn("it has no lines".into()))?;
-        let take = |key: &str| receipt.iter().find(|(name, _)| name == key).map(|(_, v)| v);
+        let mut metadata = metadata.ok_or_else(|| torn("it has no lines".into()))?;
+        let take = |key: &str| {
+            metadata
+                .iter()
+                .find(|(name, _)| name == key)
+                .map(|(_, v)| v)
+        };
         let lines = take("lines").cloned().unwrap_or_default();
         if lines != rows.len().to_string() {
             return Err(torn(format!("it has {} lines of {lines}", rows.len())));
@@ -211,8 +216,8 @@ impl Map {
         if take("checksum") != Some(&checksum.text()) {
             return Err(torn("its checksum does not fit its lines".into()));
         }
-        receipt.retain(|(key, _)| !OWN.contains(&key.as_str()));
-        Ok(Self { receipt, rows })
+        metadata.retain(|(key, _)| !OWN.contains(&key.as_str()));
+        Ok(Self { metadata, rows })
     }
 }
 
@@ -222,7 +227,7 @@ pub(crate) mod tests {
 
     /// Creates a map, or a part, whose cells follow from their index.
     pub(crate) fn part(shard: usize, of: usize) -> Map {
-        let receipt = [
+        let metadata = [
             ("palpate_version", "0.1.0".to_owned()),
             ("cells_per_axis", "3".to_owned()),
             (CELLS, "12".to_owned()),
@@ -236,7 +241,9 @@ pub(crate) mod tests {
             })
             .collect();
         Map {
-            receipt: receipt.map(|(key, value)| (key.to_owned(), value)).to_vec(),
+            metadata: metadata
+                .map(|(key, value)| (key.to_owned(), value))
+                .to_vec(),
             rows,
         }
     }

@@ -13,12 +13,12 @@ use crate::parquet_table::{self, ColumnValues, count};
 /// An error of the writer, or lines of different formats.
 pub fn write_parquet(map: &Map, out: &mut dyn Write) -> io::Result<()> {
     let format = map.written_format()?;
-    let receipt = [(format.column().to_owned(), format.version().to_string())]
+    let metadata = [(format.column().to_owned(), format.version().to_string())]
         .into_iter()
-        .chain(map.receipt.iter().cloned())
+        .chain(map.metadata.iter().cloned())
         .collect();
     let rows = [Ok(columns(&map.rows, format))];
-    parquet_table::write(out, "map", format.columns(), receipt, rows)
+    parquet_table::write(out, "map", format.columns(), metadata, rows)
 }
 
 fn columns(rows: &[Row], format: Format) -> Vec<ColumnValues> {
@@ -64,9 +64,10 @@ mod tests {
         write_parquet(&map, &mut bytes).unwrap();
         let file = SerializedFileReader::new(parquet_bytes(bytes)).unwrap();
         let metadata = file.metadata().file_metadata();
-        let receipt = metadata.key_value_metadata().unwrap();
         assert!(
-            receipt
+            metadata
+                .key_value_metadata()
+                .unwrap()
                 .iter()
                 .any(|entry| entry.key == "cells_per_axis" && entry.value.as_deref() == Some("3"))
         );

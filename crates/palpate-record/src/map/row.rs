@@ -24,9 +24,9 @@ pub struct Row {
     /// Mean-force error E `[%]`.
     pub error: [f64; 2],
     /// Ratio of the force rendering error to the zero-order-hold bound.
-    pub error_over_floor: [f64; 2],
+    pub error_over_bound: [f64; 2],
     /// Zero-order-hold bound `[%]`.
-    pub hold_floor: [f64; 2],
+    pub hold_bound: [f64; 2],
     /// Number of start heights with a stable, growing and diverging loop.
     pub classes: [u64; 3],
     /// Sustained contacts; `None` in a file of [`Format::Bounces`], which does not contain them.
@@ -58,8 +58,8 @@ pub(super) const COLUMNS: [&str; 20] = [
     "error_percent_worst",
     "error_over_floor_median",
     "error_over_floor_worst",
-    "hold_floor_percent_median",
-    "hold_floor_percent_worst",
+    "hold_bound_percent_median",
+    "hold_bound_percent_worst",
     "stable",
     "growing",
     "diverged",
@@ -86,7 +86,7 @@ impl Row {
     /// Returns the numeric columns after the names, in order.
     pub(super) fn numbers(&self) -> [f64; 8] {
         let ([a, b], [c, d]) = (self.growth, self.error);
-        let ([e, f], [g, h]) = (self.error_over_floor, self.hold_floor);
+        let ([e, f], [g, h]) = (self.error_over_bound, self.hold_bound);
         [a, b, c, d, e, f, g, h]
     }
 
@@ -157,8 +157,8 @@ impl Row {
             method: fields[6].to_owned(),
             growth: pair(7)?,
             error: pair(9)?,
-            error_over_floor: pair(11)?,
-            hold_floor: pair(13)?,
+            error_over_bound: pair(11)?,
+            hold_bound: pair(13)?,
             classes: [count(15)?, count(16)?, count(17)?],
             stay: match format {
                 Format::Bounces => None,
@@ -193,8 +193,8 @@ pub(super) mod tests {
             method: "hfcr".to_owned(),
             growth: [0.999, f64::INFINITY],
             error: [1e-9, 1.7e300],
-            error_over_floor: [1.0, 2.5],
-            hold_floor: [11.0, 12.0],
+            error_over_bound: [1.0, 2.5],
+            hold_bound: [11.0, 12.0],
             classes: [14, 1, 1],
             stay: Some(StaySwing {
                 resting: None,

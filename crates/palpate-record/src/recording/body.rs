@@ -13,7 +13,7 @@ part_of_row! {
         "number of the tick",
         "sequence";
     body: u32, "1", several,
-        "number of the body in the order of the scene, from 0; the avatar of the first tool has the number of bodies of the scene, and so on",
+        "number of the body in the order of the scene, from 0; the proxy of the first tool has the number of bodies of the scene, and so on",
         "body";
     position: [f64; 3], "m", several,
         "position of the body's centre of mass",

@@ -151,20 +151,20 @@ impl Content {
                 self.layouts.insert(header.id, Arc::new(layout));
             }
             Record::Channel(channel) => {
-                let told = || self.layouts.get(&channel.schema_id).map(Arc::clone);
+                let messages = || self.layouts.get(&channel.schema_id).map(Arc::clone);
                 let known = match channel.topic.as_str() {
                     _ if channel.message_encoding != MESSAGE_ENCODING => Channel::Other,
-                    TICK_TOPIC => {
-                        Channel::Rows(told().unwrap_or_else(|| Arc::clone(&self.ticks_by_format)))
-                    }
+                    TICK_TOPIC => Channel::Rows(
+                        messages().unwrap_or_else(|| Arc::clone(&self.ticks_by_format)),
+                    ),
                     CONTACT_TOPIC => {
-                        Channel::Rows(told().unwrap_or_else(|| Arc::new(Layout::of_contact())))
+                        Channel::Rows(messages().unwrap_or_else(|| Arc::new(Layout::of_contact())))
                     }
                     BODY_TOPIC => {
-                        Channel::Rows(told().unwrap_or_else(|| Arc::new(Layout::of_body())))
+                        Channel::Rows(messages().unwrap_or_else(|| Arc::new(Layout::of_body())))
                     }
                     DEVICE_TOPIC => {
-                        Channel::Rows(told().unwrap_or_else(|| Arc::new(Layout::of_device())))
+                        Channel::Rows(messages().unwrap_or_else(|| Arc::new(Layout::of_device())))
                     }
                     EVENT_TOPIC => Channel::Events,
                     _ => Channel::Other,

@@ -32,9 +32,9 @@ part_of_row! {
     penetration: f64, "m", live,
         "penetration of the device into the object; positive in contact, whichever side the object lies on",
         "penetration_m";
-    placement_shift: f64, "m", table,
+    object_shift: f64, "m", table,
         "how far `coupled` has shifted the object over the interval before the sample; 0 for other methods",
-        "placement_shift_m";
+        "object_shift_m";
     force_on_object: f64, "N", table,
         "force on the object as the renderer answered, before the limits of the safety",
         "force_on_object_n";

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use mcap::records::Metadata;
 
-use super::receipt::{CHECKSUM, checksum};
+use super::metadata::{CHECKSUM, checksum};
 
 /// Name of the metadata record with the counters.
 pub(super) const RECORD: &str = "palpate end";

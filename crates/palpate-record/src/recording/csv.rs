@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-use super::export::{columns, names, receipt};
+use super::export::{columns, metadata, names};
 use super::{BodyTick, Column, DeviceTick, Entry, Recording, Row, Value, event};
 use crate::run::{Cell, RunWriter};
 
@@ -15,7 +15,7 @@ impl Recording {
     /// There are no ticks; the recording cannot be read any more; an error of `out`.
     pub fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         let columns = columns(self);
-        let mut rows = RunWriter::new(out, &receipt(self), &names(&columns))?;
+        let mut rows = RunWriter::new(out, &metadata(self), &names(&columns))?;
         for row in self.rows().map_err(io::Error::other)? {
             write_row(&mut rows, &columns, &row.map_err(io::Error::other)?)?;
         }
@@ -28,10 +28,10 @@ impl Recording {
     /// # Errors
     /// There are no bodies; the recording cannot be read any more; an error of `out`.
     pub fn write_bodies_csv(&self, out: &mut dyn Write) -> io::Result<()> {
-        let receipt = [("recording", self.path().display().to_string())];
+        let metadata = [("recording", self.path().display().to_string())];
         let time = Column::named("t_s").into_iter();
         let columns: Vec<_> = BodyTick::COLUMNS.iter().chain(time).collect();
-        let mut rows = RunWriter::new(out, &receipt, &names(&columns))?;
+        let mut rows = RunWriter::new(out, &metadata, &names(&columns))?;
         for entry in self.entries().map_err(io::Error::other)? {
             if let Entry::Tick(tick, _, bodies, _) = entry.map_err(io::Error::other)? {
                 for body in bodies {
@@ -53,9 +53,9 @@ impl Recording {
     /// # Errors
     /// There are no such devices; the recording cannot be read any more; an error of `out`.
     pub fn write_devices_csv(&self, out: &mut dyn Write) -> io::Result<()> {
-        let receipt = [("recording", self.path().display().to_string())];
+        let metadata = [("recording", self.path().display().to_string())];
         let columns: Vec<_> = DeviceTick::COLUMNS.iter().collect();
-        let mut rows = RunWriter::new(out, &receipt, &names(&columns))?;
+        let mut rows = RunWriter::new(out, &metadata, &names(&columns))?;
         for entry in self.entries().map_err(io::Error::other)? {
             if let Entry::Tick(.., devices) = entry.map_err(io::Error::other)? {
                 for device in devices {
@@ -76,8 +76,8 @@ impl Recording {
     /// # Errors
     /// There are no events; the recording cannot be read any more; an error of `out`.
     pub fn write_events_csv(&self, out: &mut dyn Write) -> io::Result<()> {
-        let receipt = [("recording", self.path().display().to_string())];
-        let mut rows = RunWriter::new(out, &receipt, &event::COLUMNS.map(|column| column.name))?;
+        let metadata = [("recording", self.path().display().to_string())];
+        let mut rows = RunWriter::new(out, &metadata, &event::COLUMNS.map(|column| column.name))?;
         for entry in self.entries().map_err(io::Error::other)? {
             if let Entry::Event(event) = entry.map_err(io::Error::other)? {
                 rows.row(&[

@@ -20,7 +20,7 @@ part_of_row! {
         "number of devices of the loop: so many messages on `/device` have the number of this tick",
         "devices";
     flags: Flags, "1", several,
-        "what is to be said of this device, a bit each; safety-tripped: its own safety has tripped",
+        "what is to be said of this device, a bit each; safety-stopped: its own safety has stopped",
         "flags";
     time: f64, "s", several,
         "when this device was sampled last, since the loop's start; NaN before its first sample",

@@ -16,22 +16,25 @@ pub(super) fn names(columns: &[&'static Column]) -> Vec<&'static str> {
     columns.iter().map(|column| column.name).collect()
 }
 
-/// Returns the facts about the ticks and the missing data, then the metadata texts under `receipt NAME`.
-pub(super) fn receipt(recording: &Recording) -> Vec<(String, String)> {
+/// Returns the facts about the ticks and the missing data, then the metadata texts under `metadata NAME`.
+pub(super) fn metadata(recording: &Recording) -> Vec<(String, String)> {
     let facts = [
         ("recording", recording.path().display().to_string()),
         ("recording_format", recording.format.to_string()),
-        ("palpate_version", recording.receipt.palpate_version.clone()),
+        (
+            "palpate_version",
+            recording.metadata.palpate_version.clone(),
+        ),
         ("complete", recording.is_complete().to_string()),
         ("finished", recording.finished.to_string()),
         ("ticks_lost", recording.lost().to_string()),
         ("events_lost", recording.lost_events().to_string()),
         ("damaged_parts", recording.damage.len().to_string()),
     ];
-    let texts = recording.receipt.texts.iter();
+    let texts = recording.metadata.texts.iter();
     facts
         .map(|(key, value)| (key.to_owned(), value))
         .into_iter()
-        .chain(texts.map(|(name, text)| (format!("receipt {name}"), text.clone())))
+        .chain(texts.map(|(name, text)| (format!("metadata {name}"), text.clone())))
         .collect()
 }

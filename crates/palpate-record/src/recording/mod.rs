@@ -1,7 +1,7 @@
 //! Recordings of a device loop, tick by tick, written while the loop runs.
 //!
 //! A recording is an [MCAP](https://mcap.dev) file, so Foxglove and PlotJuggler can open it. Its first record is the
-//! [`Receipt`], the metadata: the configuration as text. Then follow in chunks with checksums: [`Tick`]s on the
+//! [`RecordingMetadata`], the metadata: the configuration as text. Then follow in chunks with checksums: [`Tick`]s on the
 //! channel `/tick`, the [`ContactTick`]s of each tick on `/contact`, the [`BodyTick`]s of a world on `/body`, the
 //! [`DeviceTick`]s of a loop with several devices on `/device`, and [`Event`]s on `/event`. `docs/formats.md`
 //! documents every byte. An unfinished recording is called `NAME.part`. Data handed on by [`RecordingWriter::flush`]
@@ -12,11 +12,11 @@
 //! a truncated end, and damaged chunks.
 //!
 //! ```
-//! use palpate_record::recording::{ContactTick, Receipt, Recording, RecordingWriter, Tick};
+//! use palpate_record::recording::{ContactTick, RecordingMetadata, Recording, RecordingWriter, Tick};
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("tap.mcap");
 //!
-//! let receipt = Receipt::new("0.1.0").with("scene", "scene_format = 1");
+//! let receipt = RecordingMetadata::new("0.1.0").with("scene", "scene_format = 1");
 //! let mut writer = RecordingWriter::create(&path, &receipt)?;
 //! // Two contacts; a loop that touches one thing has one.
 //! writer.append(&Tick::default(), &[ContactTick::default(), ContactTick::default()])?;
@@ -45,10 +45,10 @@ mod frames;
 mod gather;
 mod layout;
 mod loss;
+mod metadata;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod read;
-mod receipt;
 mod row;
 #[cfg(test)]
 mod samples;
@@ -76,8 +76,8 @@ pub use count::{LoopCount, LoopTime};
 pub use device::DeviceTick;
 pub use event::Event;
 pub use loss::Gap;
+pub use metadata::RecordingMetadata;
 pub use read::{Entries, Entry, Recording, RecordingError, Rows};
-pub use receipt::Receipt;
 pub use row::Row;
 pub use state::{Flags, Phase};
 pub use table::columns;

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use parquet::data_type::ByteArray;
 
-use super::export::{columns, names, receipt};
+use super::export::{columns, metadata, names};
 use super::{Column, Kind, Recording, Row, Value};
 use crate::parquet_table::{self, count};
 
@@ -31,7 +31,7 @@ impl Recording {
             begun = true;
             (!last).then(|| Ok(values(&columns, &group)))
         });
-        parquet_table::write(out, "ticks", &names(&columns), receipt(self), groups)
+        parquet_table::write(out, "ticks", &names(&columns), metadata(self), groups)
     }
 }
 

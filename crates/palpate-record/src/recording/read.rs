@@ -8,7 +8,9 @@ use std::vec;
 use thiserror::Error;
 
 use super::walk::{Refused, Step, Walk};
-use super::{BodyTick, ContactTick, DeviceTick, Event, Gap, LoopCount, Receipt, Row, Tick};
+use super::{
+    BodyTick, ContactTick, DeviceTick, Event, Gap, LoopCount, RecordingMetadata, Row, Tick,
+};
 
 /// Reason why a recording could not be read.
 #[derive(Debug, Error)]
@@ -51,7 +53,7 @@ pub enum Entry {
 #[derive(Debug)]
 pub struct Recording {
     /// Metadata of the recording.
-    pub receipt: Receipt,
+    pub metadata: RecordingMetadata,
     /// Version of its format.
     pub format: u32,
     /// Number of recorded ticks.
@@ -105,7 +107,7 @@ impl Recording {
         let bytes = source.metadata().map_err(|error| named(error.into()))?;
         let mut walk = Walk::begin(BufReader::new(source)).map_err(named)?;
         let mut recording = Self {
-            receipt: Receipt::new(""),
+            metadata: RecordingMetadata::new(""),
             format: 0,
             ticks: 0,
             events: 0,
@@ -152,7 +154,7 @@ impl Recording {
                 }
             }
         }
-        (recording.format, recording.receipt) = walk.receipt().map_err(named)?;
+        (recording.format, recording.metadata) = walk.metadata().map_err(named)?;
         recording.counted = walk.count();
         recording.length = walk.passed() + torn;
         let mut loss = walk.loss();

@@ -69,7 +69,7 @@ impl Flags {
     /// Safety changed the force on its way to the device.
     pub const SAFETY_LIMITED: Self = Self(1 << 6);
     /// A safety stop is active: no force is sent.
-    pub const SAFETY_TRIPPED: Self = Self(1 << 7);
+    pub const SAFETY_STOPPED: Self = Self(1 << 7);
     /// The tick started or ended after its deadline.
     pub const MISSED_DEADLINE: Self = Self(1 << 8);
     /// The device did not answer, or answered without a position.
@@ -90,7 +90,7 @@ impl Flags {
 
     /// Flags of a device in a loop with several devices.
     pub const OF_DEVICE: Self =
-        Self(Self::SAFETY_LIMITED.0 | Self::SAFETY_TRIPPED.0 | Self::DEVICE_FAULT.0);
+        Self(Self::SAFETY_LIMITED.0 | Self::SAFETY_STOPPED.0 | Self::DEVICE_FAULT.0);
 
     /// Named flags, by bit.
     pub const NAMED: [(Self, &'static str); 10] = [
@@ -101,7 +101,7 @@ impl Flags {
         (Self::LIMITED_GUARD, "limited-guard"),
         (Self::FAULT, "fault"),
         (Self::SAFETY_LIMITED, "safety-limited"),
-        (Self::SAFETY_TRIPPED, "safety-tripped"),
+        (Self::SAFETY_STOPPED, "safety-stopped"),
         (Self::MISSED_DEADLINE, "missed-deadline"),
         (Self::DEVICE_FAULT, "device-fault"),
     ];

@@ -9,8 +9,8 @@ use mcap::{McapError, McapResult, WriteOptions, Writer};
 
 use super::{
     BODY_TOPIC, BodyTick, CONTACT_TOPIC, Column, ContactTick, DEVICE_TOPIC, DeviceTick,
-    EVENT_TOPIC, Event, LoopCount, MESSAGE_ENCODING, Receipt, Row, SCHEMA_ENCODING, TICK_TOPIC,
-    Tick, cdr, schema,
+    EVENT_TOPIC, Event, LoopCount, MESSAGE_ENCODING, RecordingMetadata, Row, SCHEMA_ENCODING,
+    TICK_TOPIC, Tick, cdr, schema,
 };
 
 /// Maximum size of a chunk without a flush [bytes]: about three seconds of one contact at 1 kHz.
@@ -39,8 +39,8 @@ pub(super) struct Stream<W: Write> {
 
 impl<W: Write> Stream<W> {
     /// Starts with the metadata, which `out` has received on return.
-    pub fn begin(out: W, receipt: &Receipt) -> io::Result<Self> {
-        let receipt = receipt.to_metadata().map_err(invalid)?;
+    pub fn begin(out: W, metadata: &RecordingMetadata) -> io::Result<Self> {
+        let metadata = metadata.to_metadata().map_err(invalid)?;
         let mut mcap = WriteOptions::new()
             .compression(None)
             .library(concat!("palpate ", env!("CARGO_PKG_VERSION")))
@@ -50,7 +50,7 @@ impl<W: Write> Stream<W> {
             .create(NoSeek::new(out))
             .map_err(plain)?;
         let begin = |mcap: &mut Writer<NoSeek<W>>| {
-            mcap.write_metadata(&receipt)?;
+            mcap.write_metadata(&metadata)?;
             let mut channel = |topic, name, schema: &str| {
                 let schema = mcap.add_schema(name, SCHEMA_ENCODING, schema.as_bytes())?;
                 mcap.add_channel(schema, topic, MESSAGE_ENCODING, &BTreeMap::new())
@@ -352,8 +352,8 @@ mod tests {
 
     /// Records until a write fails; returns the number of flushed ticks, or the error of writing the end.
     fn record(disk: &Disk) -> io::Result<u64> {
-        let receipt = Receipt::new("0.1.0").with("scene", "a = 1");
-        let mut stream = Stream::begin(disk.clone(), &receipt)?;
+        let metadata = RecordingMetadata::new("0.1.0").with("scene", "a = 1");
+        let mut stream = Stream::begin(disk.clone(), &metadata)?;
         let mut outcome = Ok(());
         for sequence in 0..6 {
             outcome = append(&mut stream, sequence).and_then(|()| stream.flush());

@@ -48,13 +48,13 @@ part_of_row! {
         "how long the device took to answer; NaN where that is not known",
         "device_round_trip_s";
     generation: u32, "1", table,
-        "which parameters were in force: 0 for those of the receipt, one more with every change",
+        "which parameters were in force: 0 for those of the metadata, one more with every change",
         "generation";
     contacts: u32, "1", several,
         "number of contacts: so many messages on `/contact` have the number of this tick",
         "contacts";
     bodies: u32, "1", several,
-        "number of bodies that move, with the avatars of tools: so many messages on `/body` have the number of this tick; 0 where no world is rendered",
+        "number of bodies that move, with the proxies of tools: so many messages on `/body` have the number of this tick; 0 where no world is rendered",
         "bodies";
     created_energy: f64, "J", several,
         "energy that held forces created since the start, summed over all contacts, while the motors were on: what the limit of the safety counts",

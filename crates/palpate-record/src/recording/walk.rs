@@ -9,7 +9,7 @@ use super::chunk::Content;
 use super::frames::{Frame, Frames};
 use super::loss::Loss;
 use super::read::Entry;
-use super::{LoopCount, Receipt, VERSION, WHOLE, count, receipt};
+use super::{LoopCount, RecordingMetadata, VERSION, WHOLE, count, metadata};
 
 /// Start of the library field in the header of this program's recordings, before a version.
 pub(super) const LIBRARY: &str = "palpate ";
@@ -22,7 +22,7 @@ pub(super) struct Walk<R> {
     /// Whether another tool wrote the file: this program's files meet stricter requirements than MCAP.
     is_foreign: bool,
     /// Format of the recording and its metadata.
-    receipt: Option<(u32, Receipt)>,
+    metadata: Option<(u32, RecordingMetadata)>,
     count: Option<LoopCount>,
     /// Whether all chunks have been read.
     in_summary: bool,
@@ -70,7 +70,7 @@ impl<R: Read> Walk<R> {
             frames: frames.ok_or_else(|| invalid("not an MCAP file, so no recording"))?,
             content: Content::of_format(VERSION),
             is_foreign: false,
-            receipt: None,
+            metadata: None,
             count: None,
             in_summary: false,
             has_ended: false,
@@ -79,7 +79,7 @@ impl<R: Read> Walk<R> {
             match walk.frames.next()? {
                 Frame::End | Frame::Torn { .. } => {
                     return Err(invalid(
-                        "cut off within its receipt: nothing was recorded in it yet",
+                        "cut off within its metadata: nothing was recorded in it yet",
                     ));
                 }
                 Frame::Record { opcode, body, .. } if opcode == expected => {
@@ -91,10 +91,10 @@ impl<R: Read> Walk<R> {
                             }
                         }
                         Ok(Record::Metadata(record)) => {
-                            let receipt = Receipt::from_metadata(record);
-                            let (format, receipt) = receipt.map_err(Refused::Invalid)?;
+                            let metadata = RecordingMetadata::from_metadata(record);
+                            let (format, metadata) = metadata.map_err(Refused::Invalid)?;
                             walk.content = Content::of_format(format);
-                            walk.receipt = Some((format, receipt));
+                            walk.metadata = Some((format, metadata));
                             return Ok(walk);
                         }
                         _ => break,
@@ -107,8 +107,8 @@ impl<R: Read> Walk<R> {
     }
 
     /// Returns format and metadata, which have been read; or the reason why there are none.
-    pub fn receipt(&mut self) -> Result<(u32, Receipt), Refused> {
-        self.receipt
+    pub fn metadata(&mut self) -> Result<(u32, RecordingMetadata), Refused> {
+        self.metadata
             .take()
             .ok_or_else(|| Refused::Invalid(NO_RECORDING.into()))
     }
@@ -169,7 +169,7 @@ impl<R: Read> Walk<R> {
                 }
                 op::MESSAGE_INDEX if !self.in_summary && is_index(&body) => {}
                 op::METADATA if !self.in_summary => {
-                    if let Some(damage) = self.metadata(&body)? {
+                    if let Some(damage) = self.metadata_record(&body)? {
                         return Ok(Step::Damaged(format!("the record at byte {at}: {damage}")));
                     }
                 }
@@ -235,7 +235,7 @@ impl<R: Read> Walk<R> {
     }
 
     /// Processes a metadata record; returns a description of an error.
-    fn metadata(&mut self, body: &[u8]) -> Result<Option<&'static str>, Refused> {
+    fn metadata_record(&mut self, body: &[u8]) -> Result<Option<&'static str>, Refused> {
         let Ok(Record::Metadata(record)) = parse_record(op::METADATA, body) else {
             return Ok(Some("it is not what was written"));
         };
@@ -244,9 +244,9 @@ impl<R: Read> Walk<R> {
             if self.count.is_none() {
                 return Ok(Some("the count of the loop is not what was written"));
             }
-        } else if record.name == receipt::RECORD && self.receipt.is_none() {
-            let receipt = Receipt::from_metadata(record);
-            self.receipt = Some(receipt.map_err(Refused::Invalid)?);
+        } else if record.name == metadata::RECORD && self.metadata.is_none() {
+            let metadata = RecordingMetadata::from_metadata(record);
+            self.metadata = Some(metadata.map_err(Refused::Invalid)?);
         }
         Ok(None)
     }

@@ -10,7 +10,7 @@ use palpate_files::atomic::WriteError;
 use tempfile::TempPath;
 
 use super::stream::Stream;
-use super::{BodyTick, ContactTick, DeviceTick, Event, LoopCount, Receipt, Tick};
+use super::{BodyTick, ContactTick, DeviceTick, Event, LoopCount, RecordingMetadata, Tick};
 
 /// Maximum time between synchronisations to disk while ticks are flushed.
 const SYNC_EVERY: Duration = Duration::from_secs(2);
@@ -48,7 +48,7 @@ impl RecordingWriter {
     /// # Errors
     /// `path` names no file; a file of that name exists, finished or not; a metadata entry has a reserved name; an
     /// error of the system. The error names the path.
-    pub fn create(path: &Path, receipt: &Receipt) -> Result<Self, WriteError> {
+    pub fn create(path: &Path, metadata: &RecordingMetadata) -> Result<Self, WriteError> {
         let part = part_of(path);
         let begin = || {
             refuse_what_is_there(path)?;
@@ -61,7 +61,7 @@ impl RecordingWriter {
                 )),
                 _ => error,
             })?;
-            let stream = Stream::begin(BufWriter::new(file.try_clone()?), receipt)
+            let stream = Stream::begin(BufWriter::new(file.try_clone()?), metadata)
                 .and_then(|stream| file.sync_data().map(|()| stream));
             match stream {
                 Ok(stream) => Ok((stream, file)),

@@ -17,8 +17,8 @@
 //! Numbers are written with the fewest digits that parse to the same bits. A missing value, NaN, is an empty field;
 //! infinities are `inf` and `-inf`, so that a diverged run can be stored.
 
+pub(crate) mod metadata;
 mod read;
-pub(crate) mod receipt;
 mod write;
 
 pub use read::{Run, RunError, RunFault, read};
@@ -33,10 +33,10 @@ const VERSION: &str = "1";
 mod tests {
     use super::*;
 
-    const NO_RECEIPT: &[(&str, &str)] = &[];
+    const NO_METADATA: &[(&str, &str)] = &[];
 
     fn pairs(run: &Run) -> Vec<(&str, &str)> {
-        run.receipt()
+        run.metadata()
             .iter()
             .map(|(key, value)| (&key[..], &value[..]))
             .collect()
@@ -47,7 +47,7 @@ mod tests {
     }
 
     fn column(numbers: &[f64]) -> String {
-        let mut writer = RunWriter::new(Vec::new(), NO_RECEIPT, &["x"]).unwrap();
+        let mut writer = RunWriter::new(Vec::new(), NO_METADATA, &["x"]).unwrap();
         for &number in numbers {
             writer.row(&[number.into()]).unwrap();
         }
@@ -56,13 +56,13 @@ mod tests {
 
     #[test]
     fn a_run_reads_as_it_was_written() {
-        let receipt = [
+        let metadata = [
             ("method", "hfcr"),
             ("a scene = ", " a, \"b\"\r\nc "),
             ("note", ""),
         ];
         let mut writer =
-            RunWriter::new(Vec::new(), &receipt, &["t_s", "force_n", "phase"]).unwrap();
+            RunWriter::new(Vec::new(), &metadata, &["t_s", "force_n", "phase"]).unwrap();
         writer
             .row(&[0.0.into(), 0.1.into(), "free".into()])
             .unwrap();
@@ -81,7 +81,7 @@ mod tests {
              0.01,,\"# a,\"\"b\"\"\r\nc\",\n0.02,-inf,,\n"
         );
         let run = read_text(&text).unwrap();
-        assert_eq!(pairs(&run), receipt);
+        assert_eq!(pairs(&run), metadata);
         assert_eq!(run.columns(), ["t_s", "force_n", "phase"]);
         assert_eq!((run.len(), run.is_empty()), (3, false));
         assert_eq!(run.numbers("t_s").unwrap(), [0.0, 0.01, 0.02]);
@@ -102,7 +102,7 @@ mod tests {
     fn an_empty_receipt_reads_back() {
         let text = column(&[1.0]);
         assert_eq!(text, "x,palpate_run_1\n1,{}\n");
-        assert!(read_text(&text).unwrap().receipt().is_empty());
+        assert!(read_text(&text).unwrap().metadata().is_empty());
     }
 
     proptest::proptest! {
@@ -127,7 +127,7 @@ mod tests {
         #[test]
         fn every_text_reads_back(first: (String, String), mut texts: Vec<(String, String)>) {
             texts.push(first);
-            let mut writer = RunWriter::new(Vec::new(), NO_RECEIPT, &["a", "b"]).unwrap();
+            let mut writer = RunWriter::new(Vec::new(), NO_METADATA, &["a", "b"]).unwrap();
             for (a, b) in &texts {
                 writer.row(&[a.as_str().into(), b.as_str().into()]).unwrap();
             }
@@ -141,17 +141,17 @@ mod tests {
 
         #[test]
         fn every_receipt_reads_back_in_its_order_from_one_line(entries: Vec<(String, String)>) {
-            let mut receipt: Vec<(&str, &str)> = Vec::new();
+            let mut metadata: Vec<(&str, &str)> = Vec::new();
             for (key, value) in &entries {
-                if !key.is_empty() && receipt.iter().all(|(other, _)| other != key) {
-                    receipt.push((key, value));
+                if !key.is_empty() && metadata.iter().all(|(other, _)| other != key) {
+                    metadata.push((key, value));
                 }
             }
-            let mut writer = RunWriter::new(Vec::new(), &receipt, &["x"]).unwrap();
+            let mut writer = RunWriter::new(Vec::new(), &metadata, &["x"]).unwrap();
             writer.row(&[1.0.into()]).unwrap();
             let text = String::from_utf8(writer.finish().unwrap()).unwrap();
             assert_eq!(text.matches(['\n', '\r']).count(), 2);
-            assert_eq!(pairs(&read_text(&text).unwrap()), receipt);
+            assert_eq!(pairs(&read_text(&text).unwrap()), metadata);
         }
     }
 }

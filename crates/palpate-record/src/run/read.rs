@@ -6,7 +6,7 @@ use std::ops::Range;
 use csv::StringRecord;
 use thiserror::Error;
 
-use super::{MARK, VERSION, receipt};
+use super::{MARK, VERSION, metadata};
 use palpate_files::bounded::TABLE;
 
 use crate::place::{TextPosition, field_span, first_byte, open_quote, record_span};
@@ -85,17 +85,17 @@ pub enum RunFault {
     #[error("the quote that opens here is not closed before the end of the file")]
     OpenQuote,
     /// The first row lacks the metadata.
-    #[error("the first row has no receipt; it is lost where rows are cut off or sorted")]
-    NoReceipt,
+    #[error("the first row has no metadata; it is lost where rows are cut off or sorted")]
+    NoMetadata,
     /// The metadata in the first row are invalid.
-    #[error("the receipt is not a JSON object of strings: {why} of the receipt")]
-    NotAReceipt {
+    #[error("the metadata is not a JSON object of strings: {why} of the metadata")]
+    NotMetadata {
         /// Description and position of the error.
         why: String,
     },
     /// A row after the first contains metadata.
-    #[error("only the first row has a receipt; in the others this field is empty")]
-    StrayReceipt,
+    #[error("only the first row has metadata; in the others this field is empty")]
+    StrayMetadata,
     /// The column does not exist.
     #[error("no column `{name}`; there are {}", listed(columns))]
     NoColumn {
@@ -127,7 +127,7 @@ fn listed(names: &[String]) -> String {
 pub struct Run {
     file: String,
     source: String,
-    receipt: Vec<(String, String)>,
+    metadata: Vec<(String, String)>,
     header_start: usize,
     columns: Vec<String>,
     rows: Vec<Row>,
@@ -204,7 +204,7 @@ impl Run {
         }
         columns.truncate(last);
 
-        let mut receipt = Vec::new();
+        let mut metadata = Vec::new();
         let mut rows = Vec::new();
         for fields in records {
             let start = skip_line_ends(&source, at + first_byte(&fields));
@@ -218,16 +218,16 @@ impl Run {
             }
             let json = fields[last].trim();
             let outcome = match (rows.is_empty(), json.is_empty()) {
-                (true, true) => Err(RunFault::NoReceipt),
-                (true, false) => receipt::from_json(json).map_err(|error| {
+                (true, true) => Err(RunFault::NoMetadata),
+                (true, false) => metadata::from_json(json).map_err(|error| {
                     let why = error.to_string();
-                    RunFault::NotAReceipt { why }
+                    RunFault::NotMetadata { why }
                 }),
-                (false, true) => Ok(receipt),
-                (false, false) => Err(RunFault::StrayReceipt),
+                (false, true) => Ok(metadata),
+                (false, false) => Err(RunFault::StrayMetadata),
             };
-            receipt = match outcome {
-                Ok(receipt) => receipt,
+            metadata = match outcome {
+                Ok(metadata) => metadata,
                 Err(fault) => return fail(field_span(&source, start, last, b','), fault),
             };
             rows.push(Row { start, fields });
@@ -235,7 +235,7 @@ impl Run {
         Ok(Self {
             file,
             source,
-            receipt,
+            metadata,
             header_start,
             columns,
             rows,
@@ -244,8 +244,8 @@ impl Run {
 
     /// Returns the configuration of the run, in the order of the file.
     #[must_use]
-    pub fn receipt(&self) -> &[(String, String)] {
-        &self.receipt
+    pub fn metadata(&self) -> &[(String, String)] {
+        &self.metadata
     }
 
     /// Returns the names of the columns, in the order of the file.
@@ -346,7 +346,7 @@ mod tests {
     fn crlf_empty_lines_and_a_byte_order_mark_are_accepted() {
         let text = "\u{feff}x, palpate_run_1\r\n1,\"{\"\"a\"\": \"\"\"\"}\"\r\n\r\n2, \r\n";
         let run = parse(text).unwrap();
-        assert_eq!(run.receipt(), [("a".to_owned(), String::new())]);
+        assert_eq!(run.metadata(), [("a".to_owned(), String::new())]);
         assert_eq!(run.columns(), ["x"]);
         assert_eq!(run.numbers("x").unwrap(), [1.0, 2.0]);
     }
@@ -354,7 +354,7 @@ mod tests {
     #[test]
     fn a_header_without_rows_is_an_empty_run() {
         let run = parse("x,palpate_run_1\n").unwrap();
-        assert!(run.is_empty() && run.receipt().is_empty());
+        assert!(run.is_empty() && run.metadata().is_empty());
         assert!(run.numbers("x").unwrap().is_empty());
     }
 
@@ -440,7 +440,7 @@ mod tests {
             assert_eq!(
                 error.to_string(),
                 format!(
-                    "run.csv:2:3: the receipt is not a JSON object of strings: {why} of the receipt"
+                    "run.csv:2:3: the metadata is not a JSON object of strings: {why} of the metadata"
                 )
             );
             let place = error.place().unwrap();
@@ -452,11 +452,11 @@ mod tests {
     fn a_receipt_stands_in_the_first_row_and_in_no_other() {
         assert_eq!(
             message("x,palpate_run_1\n1,\n2,{}\n"),
-            "run.csv:2:3: the first row has no receipt; it is lost where rows are cut off or sorted"
+            "run.csv:2:3: the first row has no metadata; it is lost where rows are cut off or sorted"
         );
         assert_eq!(
             message("x,palpate_run_1\n1,{}\n2,{}\n"),
-            "run.csv:3:3: only the first row has a receipt; in the others this field is empty"
+            "run.csv:3:3: only the first row has metadata; in the others this field is empty"
         );
     }
 

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use thiserror::Error;
 
-use super::{MARK, VERSION, receipt};
+use super::{MARK, VERSION, metadata};
 
 /// One field of a run file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,8 +35,8 @@ pub enum RunWriteError {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// A metadata key is empty or duplicate.
-    #[error("the receipt key `{key}` is not allowed; a key is not empty and stands once")]
-    ReceiptKey {
+    #[error("the metadata key `{key}` is not allowed; a key is not empty and stands once")]
+    MetadataKey {
         /// The key.
         key: String,
     },
@@ -60,7 +60,7 @@ pub enum RunWriteError {
         found: usize,
     },
     /// There is no row for the metadata.
-    #[error("the run has no row; at least one is needed, the first holds the receipt")]
+    #[error("the run has no row; at least one is needed, the first holds the metadata")]
     NoRow,
 }
 
@@ -92,7 +92,7 @@ pub struct RunWriter<W: Write> {
     rows: csv::Writer<W>,
     columns: usize,
     /// `None` after it is written with the first row.
-    receipt: Option<String>,
+    metadata: Option<String>,
     digits: String,
 }
 
@@ -104,7 +104,7 @@ impl<W: Write> RunWriter<W> {
     /// [`RunWriteError`] if a key or a column is not allowed or `out` fails.
     pub fn new<K: AsRef<str>, V: AsRef<str>>(
         out: W,
-        receipt: &[(K, V)],
+        metadata: &[(K, V)],
         columns: &[&str],
     ) -> Result<Self, RunWriteError> {
         let plain = |name: &&str| {
@@ -117,9 +117,9 @@ impl<W: Write> RunWriter<W> {
             let columns = columns.iter().map(|&name| name.to_owned()).collect();
             return Err(RunWriteError::Columns { columns });
         }
-        let receipt = receipt::to_json(receipt).map_err(|key| {
+        let metadata = metadata::to_json(metadata).map_err(|key| {
             let key = key.to_owned();
-            RunWriteError::ReceiptKey { key }
+            RunWriteError::MetadataKey { key }
         })?;
         let mut rows = csv::Writer::from_writer(out);
         let mark = format!("{MARK}{VERSION}");
@@ -127,7 +127,7 @@ impl<W: Write> RunWriter<W> {
         Ok(Self {
             rows,
             columns: columns.len(),
-            receipt: Some(receipt),
+            metadata: Some(metadata),
             digits: String::new(),
         })
     }
@@ -154,8 +154,8 @@ impl<W: Write> RunWriter<W> {
                 }
             }
         }
-        let receipt = self.receipt.take().unwrap_or_default();
-        self.rows.write_field(receipt)?;
+        let metadata = self.metadata.take().unwrap_or_default();
+        self.rows.write_field(metadata)?;
         self.rows.write_record(None::<&[u8]>)?;
         Ok(())
     }
@@ -167,7 +167,7 @@ impl<W: Write> RunWriter<W> {
     /// [`RunWriteError::NoRow`] if no row was written, so that the metadata would be lost; [`RunWriteError::Io`] if
     /// the output fails.
     pub fn finish(self) -> Result<W, RunWriteError> {
-        if self.receipt.is_some() {
+        if self.metadata.is_some() {
             return Err(RunWriteError::NoRow);
         }
         self.rows
@@ -194,10 +194,10 @@ fn push_number(digits: &mut String, number: f64) {
 mod tests {
     use super::*;
 
-    const NO_RECEIPT: &[(&str, &str)] = &[];
+    const NO_METADATA: &[(&str, &str)] = &[];
 
     fn column(numbers: &[f64]) -> String {
-        let mut writer = RunWriter::new(Vec::new(), NO_RECEIPT, &["x"]).unwrap();
+        let mut writer = RunWriter::new(Vec::new(), NO_METADATA, &["x"]).unwrap();
         for &number in numbers {
             writer.row(&[number.into()]).unwrap();
         }
@@ -215,17 +215,17 @@ mod tests {
 
     #[test]
     fn what_would_not_read_back_is_not_written() {
-        let new = |receipt: &[(&str, &str)], columns: &[&str]| {
-            RunWriter::new(Vec::new(), receipt, columns)
+        let new = |metadata: &[(&str, &str)], columns: &[&str]| {
+            RunWriter::new(Vec::new(), metadata, columns)
                 .map(|_| ())
                 .unwrap_err()
                 .to_string()
         };
-        for (receipt, key) in [(&[("", "")][..], ""), (&[("a", "1"), ("a", "2")], "a")] {
+        for (metadata, key) in [(&[("", "")][..], ""), (&[("a", "1"), ("a", "2")], "a")] {
             assert_eq!(
-                new(receipt, &["x"]),
+                new(metadata, &["x"]),
                 format!(
-                    "the receipt key `{key}` is not allowed; a key is not empty and stands once"
+                    "the metadata key `{key}` is not allowed; a key is not empty and stands once"
                 )
             );
         }
@@ -248,14 +248,14 @@ mod tests {
                 )
             );
         }
-        let mut writer = RunWriter::new(Vec::new(), NO_RECEIPT, &["x", "y"]).unwrap();
+        let mut writer = RunWriter::new(Vec::new(), NO_METADATA, &["x", "y"]).unwrap();
         assert_eq!(
             writer.row(&[1.0.into()]).unwrap_err().to_string(),
             "the row has 1 cells, the header 2 columns"
         );
         assert_eq!(
             writer.finish().unwrap_err().to_string(),
-            "the run has no row; at least one is needed, the first holds the receipt"
+            "the run has no row; at least one is needed, the first holds the metadata"
         );
     }
 
@@ -277,7 +277,7 @@ mod tests {
             return;
         }
         let error = palpate_files::atomic::write(full, |out| {
-            let mut writer = RunWriter::new(out, NO_RECEIPT, &["x"])?;
+            let mut writer = RunWriter::new(out, NO_METADATA, &["x"])?;
             for _ in 0..100_000 {
                 writer.row(&[0.1.into()])?;
             }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::atomic::WriteError;
 use palpate_record::recording::{
-    BodyTick, ContactTick, DeviceTick, Entry, Event, Flags, LoopCount, Phase, Receipt, Recording,
-    RecordingError, RecordingWriter, Row, Tick, Value,
+    BodyTick, ContactTick, DeviceTick, Entry, Event, Flags, LoopCount, Phase, Recording,
+    RecordingError, RecordingMetadata, RecordingWriter, Row, Tick, Value,
 };
 
 /// Returns a row in which every quantity has a distinct value that follows from the tick's number.
@@ -55,7 +55,7 @@ pub fn row_of_format_1(sequence: u64) -> Row {
             object_position: 0.01 + 0.001 * (31.0 * t).cos(),
             object_velocity: -of(3.0),
             penetration: of(4.0),
-            placement_shift: -0.0,
+            object_shift: -0.0,
             force_on_object: of(5.0),
             force_on_device: -of(5.0),
             stored_energy: of(6.0),
@@ -99,8 +99,8 @@ pub fn count(ticks: u64, events: u64) -> LoopCount {
 }
 
 /// Returns the metadata of these recordings.
-pub fn receipt() -> Receipt {
-    Receipt::new("0.1.0")
+pub fn metadata() -> RecordingMetadata {
+    RecordingMetadata::new("0.1.0")
         .with("scene", "scene_format = 1\ntitle = \"a test\"\n")
         .with_file("hand.csv", "t_s,position_m\n0,0\n1,0\n")
 }
@@ -130,7 +130,7 @@ pub fn bits(row: &Row) -> Vec<(&'static str, u64)> {
 pub fn small(finished: bool) -> (Vec<u8>, Vec<usize>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     let part = writer.part().to_owned();
     let size = || usize::try_from(std::fs::metadata(&part).unwrap().len()).unwrap();
     let mut sizes = vec![size()];

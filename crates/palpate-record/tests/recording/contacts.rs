@@ -7,7 +7,7 @@ use mcap::{Channel, MessageStream, WriteOptions, read::LinearReader};
 use palpate_record::recording::{ContactTick, Entry, Recording, RecordingWriter, Row, Tick};
 use palpate_record::run;
 
-use super::common::{Scratch, bits, count, event, receipt, row};
+use super::common::{Scratch, bits, count, event, metadata, row};
 
 /// Returns the contacts of a tick: three, and none for every fifth tick.
 fn contacts(sequence: u64) -> Vec<ContactTick> {
@@ -26,7 +26,7 @@ fn contacts(sequence: u64) -> Vec<ContactTick> {
 fn small(finished: bool) -> (Vec<u8>, Vec<usize>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     let part = writer.part().to_owned();
     let mut sizes = Vec::new();
     for sequence in 0..12 {
@@ -87,7 +87,7 @@ fn a_tick_does_not_grow_with_the_number_of_its_contacts() {
     let folder = tempfile::tempdir().unwrap();
     let size = |number: usize| {
         let path = folder.path().join(format!("{number}.mcap"));
-        let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+        let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
         for sequence in 0..100 {
             let Row { tick, contact, .. } = row(sequence);
             writer.append(&tick, &vec![contact; number]).unwrap();
@@ -112,7 +112,7 @@ fn a_tick_does_not_grow_with_the_number_of_its_contacts() {
 fn a_tick_that_was_lost_is_lost_with_its_contacts() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     for sequence in [0, 1, 5, 6] {
         let tick = row(sequence).tick;
         writer.append(&tick, &contacts(sequence)).unwrap();

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use palpate_record::recording::{Gap, LoopCount, LoopTime, Recording, RecordingWriter};
 
-use super::common::{append, content, count, event, receipt};
+use super::common::{append, content, count, event, metadata};
 
 /// Returns a recording of `ticks` and of one event, with the counters of its loop.
 fn recorded(
@@ -14,7 +14,7 @@ fn recorded(
 ) -> (tempfile::TempDir, Recording) {
     let folder = tempfile::tempdir().unwrap();
     let path: PathBuf = folder.path().join("r.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     for sequence in ticks {
         append(&mut writer, sequence).unwrap();
     }
@@ -94,7 +94,7 @@ fn an_event_of_the_end_says_how_many_ticks_there_were() {
     let folder = tempfile::tempdir().unwrap();
     for (last, is_complete) in [(4, true), (6, false)] {
         let path = folder.path().join(format!("{last}.mcap"));
-        let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+        let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
         for sequence in 0..5 {
             append(&mut writer, sequence).unwrap();
         }

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use palpate_record::recording::{Recording, RecordingWriter};
 
-use super::common::{Scratch, append, bits, content, event, receipt, row, small};
+use super::common::{Scratch, append, bits, content, event, metadata, row, small};
 
 /// Returns the number of complete ticks in the first `length` bytes: those of chunks that end there. `sizes` includes
 /// the index after each chunk, which is not needed to read it.
@@ -102,7 +102,7 @@ fn of_an_unfinished_recording_no_wrong_tick_is_believed_either() {
         changed[at] ^= 1 << (at % 8);
         match scratch.open(&changed) {
             Ok(recording) => assert_true_ticks(&recording, at),
-            Err(_) => assert!(at < sizes[0], "byte {at}: the receipt is sound"),
+            Err(_) => assert!(at < sizes[0], "byte {at}: the metadata is sound"),
         }
     }
 }
@@ -223,7 +223,7 @@ fn what_is_no_recording_is_refused_by_name() {
     let (bytes, _) = small(true);
     assert_eq!(
         message(&bytes[..100]),
-        format!("{path}: cut off within its receipt: nothing was recorded in it yet")
+        format!("{path}: cut off within its metadata: nothing was recorded in it yet")
     );
     let mut other = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
     other.finish().unwrap();
@@ -258,7 +258,7 @@ fn a_writer_that_is_dropped_leaves_no_end() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.mcap");
     let part = {
-        let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+        let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
         append(&mut writer, 0).unwrap();
         writer.part().to_owned()
     };

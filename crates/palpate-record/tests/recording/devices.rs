@@ -2,7 +2,7 @@
 
 use palpate_record::recording::{DeviceTick, Entry, Flags, Recording, RecordingWriter};
 
-use super::common::{Scratch, count, receipt, row};
+use super::common::{Scratch, count, metadata, row};
 
 /// Returns the devices of a tick, in which every quantity has a distinct value.
 fn devices(sequence: u64, number: u32) -> Vec<DeviceTick> {
@@ -13,7 +13,7 @@ fn devices(sequence: u64, number: u32) -> Vec<DeviceTick> {
             sequence,
             device,
             devices: number,
-            flags: Flags::DEVICE_FAULT.with(Flags::SAFETY_TRIPPED, device == 1),
+            flags: Flags::DEVICE_FAULT.with(Flags::SAFETY_STOPPED, device == 1),
             time: of(1),
             round_trip: of(2),
             axes: three(3),
@@ -32,7 +32,7 @@ fn devices(sequence: u64, number: u32) -> Vec<DeviceTick> {
 fn small(number: u32) -> (Vec<u8>, Vec<usize>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     let part = writer.part().to_owned();
     let mut sizes = Vec::new();
     for sequence in 0..12 {
@@ -148,6 +148,6 @@ fn devices_are_a_table_of_their_own() {
     let lines: Vec<&str> = lines.collect();
     assert_eq!(lines.len(), 24);
     assert!(lines[0].starts_with("0,0,2,device-fault,"), "{}", lines[0]);
-    let expected = "7,1,2,safety-tripped device-fault,";
+    let expected = "7,1,2,safety-stopped device-fault,";
     assert!(lines[15].starts_with(expected), "{}", lines[15]);
 }

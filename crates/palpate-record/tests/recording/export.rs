@@ -3,7 +3,7 @@
 use palpate_record::recording::Recording;
 use palpate_record::run;
 
-use super::common::{Scratch, receipt, row, small};
+use super::common::{Scratch, metadata, row, small};
 
 fn recording(scratch: &Scratch) -> Recording {
     let (bytes, sizes) = small(true);
@@ -32,7 +32,7 @@ fn a_table_has_every_tick_and_says_what_it_has_not() {
         six.tick.device_round_trip.to_bits()
     );
     let said = |key: &str| {
-        let found = table.receipt().iter().find(|(name, _)| name == key);
+        let found = table.metadata().iter().find(|(name, _)| name == key);
         found.unwrap_or_else(|| panic!("no {key}")).1.as_str()
     };
     assert_eq!((said("ticks_lost"), said("events_lost")), ("3", "1"));
@@ -41,7 +41,7 @@ fn a_table_has_every_tick_and_says_what_it_has_not() {
         (said("damaged_parts"), said("palpate_version")),
         ("2", "0.1.0")
     );
-    assert_eq!(said("receipt scene"), receipt().texts["scene"]);
+    assert_eq!(said("metadata scene"), metadata().texts["scene"]);
 }
 
 #[test]
@@ -138,7 +138,7 @@ mod as_parquet {
     fn a_long_recording_is_written_in_groups() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("long.mcap");
-        let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+        let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
         for sequence in 0..70_000 {
             append(&mut writer, sequence).unwrap();
         }

@@ -4,13 +4,13 @@ use std::fs;
 
 use palpate_record::recording::{Recording, RecordingWriter};
 
-use super::common::{append, names, receipt};
+use super::common::{append, metadata, names};
 
 #[test]
 fn a_recording_gets_its_name_when_it_is_finished() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     append(&mut writer, 0).unwrap();
     writer.flush().unwrap();
     assert_eq!(names(folder.path()), ["tap.mcap.part"]);
@@ -29,7 +29,7 @@ fn a_recording_overwrites_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
     fs::write(&path, "the first").unwrap();
-    let error = RecordingWriter::create(&path, &receipt()).err().unwrap();
+    let error = RecordingWriter::create(&path, &metadata()).err().unwrap();
     assert_eq!(
         error.to_string(),
         format!(
@@ -58,7 +58,7 @@ fn what_can_be_no_recording_is_named_for_what_it_is() {
         (String::new(), "the path names no file"),
         (format!("{inside}/new/.."), "the path names no file"),
     ] {
-        let error = RecordingWriter::create(path.as_ref(), &receipt()).err();
+        let error = RecordingWriter::create(path.as_ref(), &metadata()).err();
         assert_eq!(
             error.unwrap().to_string(),
             format!("cannot write `{path}`: {words}")
@@ -71,10 +71,10 @@ fn what_can_be_no_recording_is_named_for_what_it_is() {
 fn neither_does_it_overwrite_what_was_cut_off() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     append(&mut writer, 0).unwrap();
     drop(writer);
-    let error = RecordingWriter::create(&path, &receipt()).err().unwrap();
+    let error = RecordingWriter::create(&path, &metadata()).err().unwrap();
     assert!(
         error
             .to_string()
@@ -89,7 +89,7 @@ fn neither_does_it_overwrite_what_was_cut_off() {
 fn a_file_that_has_appeared_since_is_kept_and_so_is_the_recording() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     append(&mut writer, 0).unwrap();
     fs::write(&path, "another's").unwrap();
     let error = writer.finish().unwrap_err().to_string();
@@ -106,12 +106,14 @@ fn a_file_that_has_appeared_since_is_kept_and_so_is_the_recording() {
 fn what_cannot_be_begun_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
-    let named = receipt().with("checksum", "mine");
+    let named = metadata().with("checksum", "mine");
     let error = RecordingWriter::create(&path, &named).err().unwrap();
     assert!(error.to_string().contains("called `checksum`"), "{error}");
     assert!(names(folder.path()).is_empty());
     let nowhere = folder.path().join("nowhere/tap.mcap");
-    let error = RecordingWriter::create(&nowhere, &receipt()).err().unwrap();
+    let error = RecordingWriter::create(&nowhere, &metadata())
+        .err()
+        .unwrap();
     assert!(
         error.to_string().contains("there is no directory"),
         "{error}"
@@ -165,7 +167,7 @@ fn a_disk_that_fills_up_is_reported_and_what_was_flushed_is_readable() {
 #[ignore = "run by a_disk_that_fills_up_is_reported_and_what_was_flushed_is_readable"]
 fn fill_the_disk() {
     let path = std::env::var_os("PALPATE_RECORDING").expect("run by its test");
-    let mut writer = RecordingWriter::create(path.as_ref(), &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(path.as_ref(), &metadata()).unwrap();
     for sequence in 0..100_000 {
         let outcome = append(&mut writer, sequence).and_then(|()| {
             if sequence % 7 == 6 {

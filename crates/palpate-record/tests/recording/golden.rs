@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_record::recording::Recording;
 
-use super::common::{Scratch, bits, content, event, receipt, row_of_format_1};
+use super::common::{Scratch, bits, content, event, metadata, row_of_format_1};
 
 fn golden() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recording/golden-v1.mcap")
@@ -13,7 +13,7 @@ fn golden() -> PathBuf {
 #[test]
 fn the_first_recording_is_still_read() {
     let recording = Recording::open(&golden()).unwrap();
-    assert_eq!(recording.receipt, receipt());
+    assert_eq!(recording.metadata, metadata());
     assert_eq!(recording.format, 1);
     assert!(recording.finished && recording.damage.is_empty());
     let (ticks, events) = content(&recording);

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use palpate_record::recording::{Recording, RecordingWriter};
 
-use super::common::{append, bits, content, receipt, row};
+use super::common::{append, bits, content, metadata, row};
 use super::files::say;
 
 const KILLS: u64 = 50;
@@ -68,7 +68,7 @@ fn whenever_it_is_killed_what_was_flushed_is_readable() {
 #[ignore = "run by whenever_it_is_killed_what_was_flushed_is_readable"]
 fn record_for_ever() {
     let path = std::env::var_os("PALPATE_RECORDING").expect("run by its test");
-    let mut writer = RecordingWriter::create(path.as_ref(), &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(path.as_ref(), &metadata()).unwrap();
     for sequence in 0.. {
         append(&mut writer, sequence).unwrap();
         if sequence % 10 == 9 {

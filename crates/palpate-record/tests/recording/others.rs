@@ -5,7 +5,7 @@ use std::path::Path;
 
 use palpate_record::recording::LoopCount;
 
-use super::common::{Scratch, bits, content, count, event, receipt, row_of_format_1, small};
+use super::common::{Scratch, bits, content, count, event, metadata, row_of_format_1, small};
 
 fn bytes_of(name: &str) -> Vec<u8> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recording/others");
@@ -19,13 +19,13 @@ fn chunks_in_lz4_and_zstd_are_read() {
         "zstd.mcap",
         "plain.mcap",
         "unchunked.mcap",
-        "receipt-last.mcap",
+        "metadata-last.mcap",
     ] {
         let scratch = Scratch::new();
         let recording = scratch.open(&bytes_of(name)).unwrap();
         assert_eq!(recording.damage, [] as [String; 0], "{name}");
         assert!(recording.is_complete(), "{name}: {recording:?}");
-        assert_eq!(recording.receipt, receipt(), "{name}");
+        assert_eq!(recording.metadata, metadata(), "{name}");
         let counted: Option<LoopCount> = Some(count(9, 1));
         assert_eq!(recording.counted, counted, "{name}");
         let (ticks, events) = content(&recording);

@@ -1,19 +1,19 @@
 //! Round trips of recordings.
 
 use palpate_record::recording::{
-    BodyTick, ContactTick, Entry, Event, Flags, Gap, Phase, Receipt, Recording, RecordingWriter,
-    Tick,
+    BodyTick, ContactTick, Entry, Event, Flags, Gap, Phase, Recording, RecordingMetadata,
+    RecordingWriter, Tick,
 };
 use proptest::collection::{btree_set, vec};
 use proptest::prelude::*;
 
-use super::common::{append, bits, content, event, receipt, row, small};
+use super::common::{append, bits, content, event, metadata, row, small};
 
 #[test]
 fn a_recording_reads_as_it_was_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     for sequence in 0..100 {
         append(&mut writer, sequence).unwrap();
     }
@@ -23,7 +23,7 @@ fn a_recording_reads_as_it_was_written() {
     assert_eq!(summary.bytes, std::fs::metadata(&path).unwrap().len());
 
     let recording = Recording::open(&path).unwrap();
-    assert_eq!(recording.receipt, receipt());
+    assert_eq!(recording.metadata, metadata());
     assert!(recording.is_whole(), "{recording:?}");
     assert_eq!((recording.tail.as_deref(), recording.generation), (None, 1));
     let (ticks, events) = content(&recording);
@@ -39,7 +39,7 @@ fn a_recording_reads_as_it_was_written() {
 fn what_is_lost_is_counted_from_the_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     for sequence in [2, 3, 7, 8] {
         append(&mut writer, sequence).unwrap();
         writer.flush().unwrap();
@@ -60,7 +60,7 @@ fn what_is_lost_is_counted_from_the_numbers() {
 fn a_tick_that_does_not_come_after_the_last_is_not_taken() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     append(&mut writer, 5).unwrap();
     for sequence in [5, 4] {
         let error = append(&mut writer, sequence).unwrap_err().to_string();
@@ -76,7 +76,7 @@ fn a_tick_that_does_not_come_after_the_last_is_not_taken() {
 fn a_recording_without_a_tick_is_whole() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("nothing.mcap");
-    let writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let writer = RecordingWriter::create(&path, &metadata()).unwrap();
     writer.finish().unwrap();
     let recording = Recording::open(&path).unwrap();
     assert!(recording.is_whole());
@@ -88,7 +88,7 @@ fn a_recording_without_a_tick_is_whole() {
 fn a_recording_that_is_being_made_is_read_as_far_as_it_is_flushed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("live.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     for sequence in 0..5 {
         append(&mut writer, sequence).unwrap();
     }
@@ -110,7 +110,7 @@ fn a_recording_that_is_being_made_is_read_as_far_as_it_is_flushed() {
 fn a_long_recording_is_cut_into_chunks_by_itself() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("long.mcap");
-    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let mut writer = RecordingWriter::create(&path, &metadata()).unwrap();
     for sequence in 0..12_000 {
         append(&mut writer, sequence).unwrap();
     }
@@ -214,7 +214,7 @@ fn any_contact() -> impl Strategy<Value = ContactTick> {
             object_position: of(1),
             object_velocity: of(2),
             penetration: of(3),
-            placement_shift: of(4),
+            object_shift: of(4),
             force_on_object: of(5),
             force_on_device: of(6),
             stored_energy: of(7),
@@ -288,8 +288,8 @@ proptest! {
     ) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("any.mcap");
-        let receipt = Receipt { palpate_version: "1.2.3".into(), texts };
-        let mut writer = RecordingWriter::create(&path, &receipt).unwrap();
+        let metadata = RecordingMetadata { palpate_version: "1.2.3".into(), texts };
+        let mut writer = RecordingWriter::create(&path, &metadata).unwrap();
         let mut written = Vec::new();
         let mut events = Vec::new();
         for (i, ((tick, contacts, bodies), sequence)) in ticks.into_iter().zip(sequences).enumerate() {
@@ -307,7 +307,7 @@ proptest! {
         }
         writer.finish().unwrap();
         let recording = Recording::open(&path).unwrap();
-        prop_assert_eq!(&recording.receipt, &receipt);
+        prop_assert_eq!(&recording.metadata, &metadata);
         prop_assert!(recording.finished && recording.damage.is_empty());
         let (mut read, mut said) = (Vec::new(), Vec::new());
         for entry in recording.entries().unwrap() {

@@ -6,7 +6,7 @@ use palpate_device::{Device, Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 use palpate_world::{Motion, Succession, World, WorldError};
 
-use super::renders::{Answer, Fresh, Renders};
+use super::renders::{Answer, DeviceSamples, Renders};
 use super::world::RenderedWorld;
 use crate::control_loop::ControlLoop;
 use crate::fade::Fade;
@@ -225,7 +225,7 @@ impl ChangingWorld {
     }
 
     /// Returns a world to the other end, which frees it.
-    fn let_go(&mut self, other: Box<Other>) {
+    fn disable_output(&mut self, other: Box<Other>) {
         if let Err(rtrb::PushError::Full(other)) = self.gone.push(other) {
             // Unreachable: the ring has capacity for every world in flight, and this is its only producer. Leak
             // rather than free memory in a tick.
@@ -266,7 +266,7 @@ impl Renders for ChangingWorld {
             if let Some(overtaken) = self.next.take() {
                 // A body that the skipped world would have moved starts from its state in the newer world.
                 other.succession.skip(&overtaken.succession);
-                self.let_go(overtaken);
+                self.disable_output(overtaken);
             }
             self.next = Some(other);
         }
@@ -278,12 +278,12 @@ impl Renders for ChangingWorld {
         self.generation
     }
 
-    fn step(&mut self, sample: &Fresh<'_>, asked: &mut [Wrench]) -> Answer {
+    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Wrench]) -> Answer {
         if let Some(mut other) = self.next.take() {
-            other.world.go_on(&self.world, &other.succession);
+            other.world.resume(&self.world, &other.succession);
             std::mem::swap(&mut self.world, &mut other.world);
             if let Some(before) = self.before.replace(other) {
-                self.let_go(before);
+                self.disable_output(before);
             }
             self.fade.begin();
         }
@@ -307,7 +307,7 @@ impl Renders for ChangingWorld {
         if !self.fade.is_settling()
             && let Some(before) = self.before.take()
         {
-            self.let_go(before);
+            self.disable_output(before);
         }
         for (asked, held) in asked.iter_mut().zip(&self.held) {
             *asked = *held;

@@ -11,7 +11,7 @@ use palpate_world::engine::local::{
 use palpate_world::{Limited, Mode, Sample, WorldError};
 
 use super::frame::WorldFrame;
-use super::renders::{Answer, Fresh, Renders};
+use super::renders::{Answer, DeviceSamples, Renders};
 use crate::control_loop::ControlLoop;
 use crate::created_energy::CreatedEnergy;
 use crate::safety::SafetyParams;
@@ -20,7 +20,7 @@ use crate::setup::SetupError;
 /// The simulator's end, for any thread. It sends models and receives the loop's progress without blocking either
 /// side. Of several models between two ticks only the latest takes effect.
 #[derive(Debug)]
-pub struct SlowHost {
+pub struct LowRateSimulator {
     renderer: LocalRenderer,
     out: triple_buffer::Input<Option<LocalModel>>,
     progress: triple_buffer::Output<LocalProgress>,
@@ -65,10 +65,10 @@ impl FromHost {
 }
 
 /// Creates both ends of the exchange between a simulator and the `renderer` of a loop.
-pub(crate) fn sides(renderer: &LocalRenderer) -> (SlowHost, FromHost) {
+pub(crate) fn sides(renderer: &LocalRenderer) -> (LowRateSimulator, FromHost) {
     let (out, coming) = triple_buffer::triple_buffer(&None);
     let (back, progress) = triple_buffer::triple_buffer(renderer.start().progress());
-    let host = SlowHost {
+    let host = LowRateSimulator {
         renderer: renderer.clone(),
         out,
         progress,
@@ -78,16 +78,16 @@ pub(crate) fn sides(renderer: &LocalRenderer) -> (SlowHost, FromHost) {
 
 /// Creates both ends of a local model of one tool, with a device in the simulator's world at `frame`.
 ///
-/// The simulator's thread repeats these steps: read the newest [`progress`](SlowHost::progress), advance by the
+/// The simulator's thread repeats these steps: read the newest [`progress`](LowRateSimulator::progress), advance by the
 /// elapsed time under [`LocalProgress::wrench_since`], find contacts at the proxy states, and
-/// [`publish`](SlowHost::publish) them. `examples/slow_host.rs` of this crate is an example.
+/// [`publish`](LowRateSimulator::publish) them. `examples/low_rate_simulator.rs` of this crate is an example.
 ///
 /// # Errors
 /// A number of tools other than one: a local model in a real-time loop supports one device so far.
 pub fn local_world(
     renderer: LocalRenderer,
     frame: WorldFrame,
-) -> Result<(SlowHost, LocalWorld), SetupError> {
+) -> Result<(LowRateSimulator, LocalWorld), SetupError> {
     let state = renderer.start();
     let tools = state.tools().len();
     if tools != 1 {
@@ -97,7 +97,7 @@ pub fn local_world(
         });
     }
     let (host, from_host) = sides(&renderer);
-    let actuation = renderer.in_loop().actuation;
+    let actuation = renderer.loop_params().actuation;
     let world = LocalWorld {
         acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
         limited: Limited::default(),
@@ -111,7 +111,7 @@ pub fn local_world(
     Ok((host, world))
 }
 
-impl SlowHost {
+impl LowRateSimulator {
     /// Returns the progress of the loop up to its last tick.
     pub fn progress(&mut self) -> &LocalProgress {
         self.progress.read()
@@ -151,14 +151,14 @@ impl LocalWorld {
 
 impl Renders for LocalWorld {
     fn period(&self) -> f64 {
-        self.renderer.in_loop().period
+        self.renderer.loop_params().period
     }
 
     fn method(&self) -> &'static str {
         "coupled"
     }
 
-    fn step(&mut self, sample: &Fresh<'_>, asked: &mut [Wrench]) -> Answer {
+    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Wrench]) -> Answer {
         let device = sample.devices.first().copied().unwrap_or_default();
         if let Some(held) = device.held
             && self.acts_at_once
@@ -176,8 +176,9 @@ impl Renders for LocalWorld {
         let fault = output.fault.map(|fault| fault.fault);
         self.limited = output.limited;
         self.host.tell(self.state.progress());
-        let booked = self.state.created_at_ports();
-        self.created.close(booked, fault.is_some(), sample.was_off);
+        let recorded = self.state.created_at_ports();
+        self.created
+            .close(recorded, fault.is_some(), sample.was_off);
         if let Some(asked) = asked.first_mut() {
             *asked = Wrench {
                 force: self.frame.on_device(force),
@@ -201,9 +202,9 @@ impl Renders for LocalWorld {
 
     fn account(&mut self, sequence: u64, _: Vector) {
         self.contacts.clear();
-        let books = self.state.books().contacts;
+        let ledger = self.state.ledger().contacts;
         for (slot, contact) in self.state.contacts() {
-            let Some(book) = books.get(slot).filter(|_| contact.mode != Mode::Free) else {
+            let Some(entry) = ledger.get(slot).filter(|_| contact.mode != Mode::Free) else {
                 continue;
             };
             if self.contacts.len() == self.contacts.capacity() {
@@ -214,8 +215,8 @@ impl Renders for LocalWorld {
                 pair: u32::try_from(slot).unwrap_or(u32::MAX),
                 flags: Flags::CONTACT,
                 penetration: contact.penetration,
-                stored_energy: book.stored,
-                held_leak: book.leak(),
+                stored_energy: entry.stored,
+                held_leak: entry.leak(),
                 point: contact.point,
                 normal: contact.normal,
                 force: contact.force,
@@ -236,7 +237,7 @@ impl Renders for LocalWorld {
     }
 
     fn actuation(&self) -> Actuation<f64> {
-        self.renderer.in_loop().actuation
+        self.renderer.loop_params().actuation
     }
 
     fn created_energy(&self) -> f64 {

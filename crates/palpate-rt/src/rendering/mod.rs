@@ -14,11 +14,11 @@ use palpate::{ParameterError, Running};
 pub use changing_world::{ChangingWorld, WorldChangeError, Worlds, changing_world};
 pub use frame::{FrameError, WorldAxis, WorldFrame};
 pub(crate) use local_world::{FromHost, sides};
-pub use local_world::{LocalWorld, SlowHost, local_world};
+pub use local_world::{LocalWorld, LowRateSimulator, local_world};
 pub use one_contact::OneContact;
 pub use palpate::{CHANGE_DURATION, ChangeError};
 pub use rendered::Rendered;
-pub use renders::{Answer, Fresh, FreshDevice, Renders};
+pub use renders::{Answer, DeviceSample, DeviceSamples, Renders};
 pub use world::{RenderedWorld, Turns};
 pub use world_rows::WorldRows;
 

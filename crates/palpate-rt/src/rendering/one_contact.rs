@@ -4,10 +4,10 @@ use palpate::{Actuation, AlongAxis, Output, ParameterError};
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags};
 
-use super::renders::{Answer, Fresh, FreshDevice, Renders};
+use super::renders::{Answer, DeviceSample, DeviceSamples, Renders};
 use super::{Parameters, Rendered, Rendering, parameters};
 use crate::delivered::Delivered;
-use crate::wire::{answered, booked};
+use crate::wire::{answered, recorded};
 
 /// One contact along an axis of the device's frame, with its parameters and its energy ledger.
 #[derive(Debug)]
@@ -43,11 +43,11 @@ impl OneContact {
     /// Returns whether the actuator model contains more than a certain delay of whole samples. The renderer then
     /// computes the acting force from the sent one and can estimate the delay; otherwise the held force is the acting
     /// one.
-    fn is_told_how_forces_act(&self) -> bool {
-        let told = &self.rendered.rendering().loop_params;
-        let actuation = &told.actuation;
+    fn takes_sent_forces(&self) -> bool {
+        let messages = &self.rendered.rendering().loop_params;
+        let actuation = &messages.actuation;
         let is_certain = actuation.delay_deviation <= 0.0 && actuation.lag_deviation <= 0.0;
-        !(is_certain && actuation.is_of_whole_samples(told.period))
+        !(is_certain && actuation.is_of_whole_samples(messages.period))
     }
 
     /// Returns the component of a force along the contact's axis `[N]`.
@@ -78,12 +78,12 @@ impl Renders for OneContact {
         self.rendered.generation()
     }
 
-    fn step(&mut self, sample: &Fresh<'_>, asked: &mut [Wrench]) -> Answer {
+    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Wrench]) -> Answer {
         // A loop has at least one device.
-        let FreshDevice { position, held, .. } =
+        let DeviceSample { position, held, .. } =
             sample.devices.first().copied().unwrap_or_default();
         if let Some(mean) = held
-            && !self.is_told_how_forces_act()
+            && !self.takes_sent_forces()
         {
             let held = -self.along_axis(mean.force);
             self.rendered.report_held(held);
@@ -104,7 +104,7 @@ impl Renders for OneContact {
     }
 
     fn report_written(&mut self, _: usize, held: Wrench, sent: Option<Wrench>) {
-        if self.is_told_how_forces_act() {
+        if self.takes_sent_forces() {
             let sent = self.along_axis(sent.unwrap_or(held).force);
             self.rendered.report_sent(-sent);
         }
@@ -115,7 +115,7 @@ impl Renders for OneContact {
         let said = match &self.last {
             Some((_, output)) => answered(output, ledger),
             // No sample has been rendered yet.
-            None => booked(
+            None => recorded(
                 ContactTick {
                     point: [f64::NAN; 3],
                     normal: [f64::NAN; 3],

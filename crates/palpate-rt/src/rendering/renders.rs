@@ -51,7 +51,7 @@ pub trait Renders: Send {
 
     /// Renders a fresh sample of all devices. Writes the requested wrench of each device, before the limits of its
     /// safety, to `asked`.
-    fn step(&mut self, sample: &Fresh<'_>, asked: &mut [Wrench]) -> Answer;
+    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Wrench]) -> Answer;
 
     /// Reports the wrench that a device holds from now on, and the wrench sent to its motors if the device reports it
     /// separately.
@@ -93,18 +93,18 @@ pub trait Renders: Send {
 
 /// A fresh sample of all devices, for the renderer.
 #[derive(Clone, Copy, Debug)]
-pub struct Fresh<'a> {
+pub struct DeviceSamples<'a> {
     /// Time since the last fresh sample `[s]`; `None` for the first.
     pub elapsed: Option<f64>,
     /// Whether a safety stop has kept the motors off since the last sample.
     pub was_off: bool,
     /// Sample of each device.
-    pub devices: &'a [FreshDevice],
+    pub devices: &'a [DeviceSample],
 }
 
 /// Fresh sample of one device.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FreshDevice {
+pub struct DeviceSample {
     /// Position `[m]`.
     pub position: Vector,
     /// Orientation, a unit quaternion `[w, x, y, z]`, if the device measures it.

@@ -8,7 +8,7 @@ use palpate_world::{
 };
 
 use super::frame::WorldFrame;
-use super::renders::{Answer, Fresh, Renders};
+use super::renders::{Answer, DeviceSamples, Renders};
 use super::world_rows::WorldRows;
 use crate::created_energy::CreatedEnergy;
 use crate::setup::SetupError;
@@ -94,7 +94,7 @@ impl RenderedWorld {
         if placed.any(|(turns, frame)| *turns != Turns::No && !frame.is_aligned()) {
             return Err(SetupError::TurnedFrame);
         }
-        let actuation = renderer.in_loop().actuation;
+        let actuation = renderer.loop_params().actuation;
         Ok(Self {
             acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
             method,
@@ -134,12 +134,12 @@ impl RenderedWorld {
         Ok(succession)
     }
 
-    /// Continues from `before` between two samples ([`WorldRenderer::go_on`]).
-    pub(super) fn go_on(&mut self, before: &Self, succession: &Succession) {
+    /// Continues from `before` between two samples ([`WorldRenderer::resume`]).
+    pub(super) fn resume(&mut self, before: &Self, succession: &Succession) {
         let past = (&before.renderer, &before.state);
-        self.renderer.go_on(&mut self.state, past, succession);
-        let booked = self.state.created_at_ports();
-        self.created.go_on(&before.created, booked);
+        self.renderer.resume(&mut self.state, past, succession);
+        let recorded = self.state.created_at_ports();
+        self.created.resume(&before.created, recorded);
     }
 
     /// Limits wrenches that replace those of the last step so that the limits of the world's loop and its guard hold
@@ -180,14 +180,14 @@ impl Renders for RenderedWorld {
     }
 
     fn period(&self) -> f64 {
-        self.renderer.in_loop().period
+        self.renderer.loop_params().period
     }
 
     fn method(&self) -> &'static str {
         self.method
     }
 
-    fn step(&mut self, sample: &Fresh<'_>, asked: &mut [Wrench]) -> Answer {
+    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Wrench]) -> Answer {
         for (number, device) in sample.devices.iter().enumerate() {
             if let Some(held) = device.held
                 && self.acts_at_once
@@ -218,8 +218,9 @@ impl Renders for RenderedWorld {
         }
         let fault = output.fault.map(|fault| fault.fault);
         self.limited = output.limited;
-        let booked = self.state.created_at_ports();
-        self.created.close(booked, fault.is_some(), sample.was_off);
+        let recorded = self.state.created_at_ports();
+        self.created
+            .close(recorded, fault.is_some(), sample.was_off);
         Answer {
             coordinate: 0.0,
             fault,
@@ -258,7 +259,7 @@ impl Renders for RenderedWorld {
     }
 
     fn actuation(&self) -> Actuation<f64> {
-        self.renderer.in_loop().actuation
+        self.renderer.loop_params().actuation
     }
 
     fn created_energy(&self) -> f64 {

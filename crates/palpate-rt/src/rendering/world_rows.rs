@@ -34,8 +34,8 @@ impl WorldRows {
     /// Stores the state at tick number `sequence`. It does not allocate.
     pub fn fill(&mut self, sequence: u64, state: &WorldState) {
         self.contacts.clear();
-        let books = &state.books().contacts;
-        for (pair, (contact, book)) in (0..).zip(state.contacts().iter().zip(books)) {
+        let ledger = &state.ledger().contacts;
+        for (pair, (contact, entry)) in (0..).zip(state.contacts().iter().zip(ledger)) {
             if contact.mode == Mode::Free || self.contacts.len() == self.contacts.capacity() {
                 continue;
             }
@@ -44,8 +44,8 @@ impl WorldRows {
                 pair,
                 flags: Flags::CONTACT,
                 penetration: contact.penetration,
-                stored_energy: book.stored,
-                held_leak: book.leak(),
+                stored_energy: entry.stored,
+                held_leak: entry.leak(),
                 point: contact.point,
                 normal: contact.normal,
                 force: contact.force,
@@ -70,9 +70,9 @@ impl WorldRows {
             self.bodies.push(BodyTick {
                 sequence,
                 body: u32::try_from(self.bodies_of_world + number).unwrap_or(u32::MAX),
-                position: tool.avatar_position,
-                orientation: tool.avatar_orientation,
-                velocity: tool.avatar_velocity,
+                position: tool.proxy_position,
+                orientation: tool.proxy_orientation,
+                velocity: tool.proxy_velocity,
                 angular_velocity: tool.angular_velocity,
             });
         }

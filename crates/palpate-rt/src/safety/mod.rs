@@ -8,14 +8,14 @@
 mod oscillation;
 mod params;
 mod recoveries;
+mod safety_stop;
 mod supervisor;
-mod trip;
 
 pub use oscillation::OscillationParams;
 pub use params::{SafetyError, SafetyParams};
 pub use recoveries::RecoveryParams;
+pub use safety_stop::SafetyStop;
 pub use supervisor::{Heartbeat, Supervisor};
-pub use trip::Trip;
 
 use std::time::Duration;
 
@@ -72,18 +72,18 @@ pub struct Verdict {
     /// Active limits.
     pub bounded: Bounded,
     /// Safety stop that began with this sample.
-    pub tripped: Option<Trip>,
+    pub stopped: Option<SafetyStop>,
     /// Safety stop that ended with this sample.
-    pub recovered: Option<Trip>,
+    pub recovered: Option<SafetyStop>,
 }
 
 /// Result of checking a sample.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Looked {
+pub(crate) struct Observation {
     /// Safety stop that began with the sample.
-    tripped: Option<Trip>,
+    stopped: Option<SafetyStop>,
     /// Safety stop that ended with the sample.
-    recovered: Option<Trip>,
+    recovered: Option<SafetyStop>,
 }
 
 /// Ratio of the soft-start time to the duration of a self-clearing stop, up to a whole soft start: an outage of a
@@ -111,7 +111,7 @@ pub struct Safety {
     /// Last commanded wrench.
     commanded: Wrench,
     last_position: Option<Vector>,
-    trip: Option<Trip>,
+    safety_stop: Option<SafetyStop>,
     /// Active soft start; `None`: the force is at full scale, or zero.
     soft: Option<SoftStart>,
     /// Soft-start time if the next sample has a force `[s]`.
@@ -146,7 +146,7 @@ impl Safety {
             period,
             commanded: Wrench::NONE,
             last_position: None,
-            trip: None,
+            safety_stop: None,
             soft: None,
             missing: 0,
         })
@@ -174,71 +174,71 @@ impl Safety {
 
     /// Returns the safety stop that holds the force at 0, if any.
     #[must_use]
-    pub fn trip(&self) -> Option<Trip> {
-        self.trip
+    pub fn safety_stop(&self) -> Option<SafetyStop> {
+        self.safety_stop
     }
 
     /// Returns the wrench to command for a fresh sample.
-    pub fn judge(&mut self, rendered: &Rendered) -> Verdict {
+    pub fn evaluate(&mut self, rendered: &Rendered) -> Verdict {
         let looked = self.look(rendered, false);
         self.answer(rendered, looked, false)
     }
 
-    /// Performs the first half of [`judge`](Self::judge), for a loop of several devices: checks a fresh sample of
+    /// Performs the first half of [`reference`](Self::judge), for a loop of several devices: checks a fresh sample of
     /// this device for a reason to stop. Generated energy does not count while a soft start of any device is active
     /// (`comes_in`).
-    pub(crate) fn look(&mut self, rendered: &Rendered, comes_in: bool) -> Looked {
+    pub(crate) fn look(&mut self, rendered: &Rendered, comes_in: bool) -> Observation {
         self.missing = 0;
         let elapsed = rendered.elapsed.unwrap_or(self.period);
-        let was_out = self.trip.is_some() || rendered.stalled || rendered.refused;
+        let was_out = self.safety_stop.is_some() || rendered.stalled || rendered.refused;
         if was_out || self.withheld {
             self.away += elapsed;
         }
         let found = self.find(rendered, comes_in);
         self.last_position = Some(rendered.position).filter(is_finite);
-        let before = self.trip;
-        let (mut tripped, mut recovered) = (None, None);
+        let before = self.safety_stop;
+        let (mut stopped, mut recovered) = (None, None);
         match (before, found) {
-            (Some(trip), None) if trip.is_passing() => {
+            (Some(safety_stop), None) if safety_stop.is_passing() => {
                 recovered = before;
-                self.trip = None;
+                self.safety_stop = None;
                 self.come_back_softly();
             }
             // A latched stop replaces a self-clearing one.
-            (Some(trip), Some(new)) if trip.is_passing() && !new.is_passing() => {
-                tripped = Some(new);
-                self.trip = tripped;
+            (Some(safety_stop), Some(new)) if safety_stop.is_passing() && !new.is_passing() => {
+                stopped = Some(new);
+                self.safety_stop = stopped;
             }
             (None, Some(new)) => {
-                tripped = Some(new);
-                self.trip = tripped;
+                stopped = Some(new);
+                self.safety_stop = stopped;
             }
             _ => {}
         }
-        let is_out = self.trip.is_some() || rendered.refused;
+        let is_out = self.safety_stop.is_some() || rendered.refused;
         if self.recoveries.watch(elapsed, was_out, is_out) {
-            tripped = Some(Trip::TooManyRecoveries);
+            stopped = Some(SafetyStop::TooManyRecoveries);
             recovered = None;
-            self.trip = tripped;
+            self.safety_stop = stopped;
         }
-        Looked { tripped, recovered }
+        Observation { stopped, recovered }
     }
 
-    /// Performs the second half of [`judge`](Self::judge): returns the wrench to command. It is zero if `withheld`,
+    /// Performs the second half of [`reference`](Self::judge): returns the wrench to command. It is zero if `withheld`,
     /// because another device of the loop has stopped.
     pub(crate) fn answer(
         &mut self,
         rendered: &Rendered,
-        looked: Looked,
+        looked: Observation,
         withheld: bool,
     ) -> Verdict {
-        let Looked { tripped, recovered } = looked;
-        if self.trip.is_some() {
-            return self.none(tripped, recovered);
+        let Observation { stopped, recovered } = looked;
+        if self.safety_stop.is_some() {
+            return self.none(stopped, recovered);
         }
         if withheld {
             self.withheld = true;
-            return self.none(tripped, recovered);
+            return self.none(stopped, recovered);
         }
         let was_withheld = self.withheld;
         if std::mem::take(&mut self.withheld) {
@@ -246,7 +246,7 @@ impl Safety {
         }
         if rendered.refused {
             self.come_back_softly();
-            return self.none(tripped, recovered);
+            return self.none(stopped, recovered);
         }
         let mut bounded = Bounded::default();
         let SafetyParams {
@@ -297,7 +297,7 @@ impl Safety {
         Verdict {
             wrench,
             bounded,
-            tripped,
+            stopped,
             recovered,
         }
     }
@@ -306,7 +306,7 @@ impl Safety {
     pub fn missing(&mut self) -> Verdict {
         match self.hold() {
             Some(verdict) => verdict,
-            None => self.trip_on(Trip::StaleSample),
+            None => self.stop_on(SafetyStop::StaleSample),
         }
     }
 
@@ -322,11 +322,11 @@ impl Safety {
     /// Returns the last commanded wrench, if it may be held for another period.
     fn hold(&mut self) -> Option<Verdict> {
         self.missing += 1;
-        let may_hold = self.missing < self.params.stale_after && self.trip.is_none();
+        let may_hold = self.missing < self.params.stale_after && self.safety_stop.is_none();
         may_hold.then_some(Verdict {
             wrench: self.commanded,
             bounded: Bounded::default(),
-            tripped: None,
+            stopped: None,
             recovered: None,
         })
     }
@@ -339,25 +339,25 @@ impl Safety {
 
     /// Returns whether the force is off or in a soft start.
     pub(crate) fn is_not_all_there(&self) -> bool {
-        self.trip.is_some() || self.withheld || self.soft.is_some()
+        self.safety_stop.is_some() || self.withheld || self.soft.is_some()
     }
 
     /// Starts a safety stop for a cause detected elsewhere.
-    pub fn trip_on(&mut self, trip: Trip) -> Verdict {
-        let stays = self.trip.is_some_and(|held| !held.is_passing());
-        let new = self.trip != Some(trip) && !stays;
+    pub fn stop_on(&mut self, safety_stop: SafetyStop) -> Verdict {
+        let stays = self.safety_stop.is_some_and(|held| !held.is_passing());
+        let new = self.safety_stop != Some(safety_stop) && !stays;
         if new {
-            self.trip = Some(trip);
+            self.safety_stop = Some(safety_stop);
         }
-        self.none(new.then_some(trip), None)
+        self.none(new.then_some(safety_stop), None)
     }
 
     /// Ends a latched stop; a persisting cause stops again. Returns whether there was one; otherwise nothing changes.
     pub fn rearm(&mut self) -> bool {
-        if self.trip.is_none_or(Trip::is_passing) {
+        if self.safety_stop.is_none_or(SafetyStop::is_passing) {
             return false;
         }
-        self.trip = None;
+        self.safety_stop = None;
         self.fresh = Some(self.params.soft_start);
         self.last_position = None;
         self.oscillation = Oscillation::new(self.params.oscillation);
@@ -378,7 +378,7 @@ impl Safety {
     }
 
     /// Resets after the loop has disabled the output. If the loop continues, the next force has a soft start.
-    pub fn let_go(&mut self) {
+    pub fn disable_output(&mut self) {
         self.commanded = Wrench::NONE;
         self.soft = None;
         self.fresh = Some(self.params.soft_start);
@@ -391,7 +391,7 @@ impl Safety {
         self.fresh = Some(self.fresh.map_or(asked, |pending| pending.max(asked)));
     }
 
-    fn none(&mut self, tripped: Option<Trip>, recovered: Option<Trip>) -> Verdict {
+    fn none(&mut self, stopped: Option<SafetyStop>, recovered: Option<SafetyStop>) -> Verdict {
         self.commanded = Wrench::NONE;
         if let Some(SoftStart { part, step }) = self.soft.take() {
             let to_come = (1.0 - part) / step * self.period;
@@ -400,18 +400,20 @@ impl Safety {
         Verdict {
             wrench: Wrench::NONE,
             bounded: Bounded {
-                stopped: self.trip.is_some_and(|trip| !trip.is_passing()),
+                stopped: self
+                    .safety_stop
+                    .is_some_and(|safety_stop| !safety_stop.is_passing()),
                 ..Bounded::default()
             },
-            tripped,
+            stopped,
             recovered,
         }
     }
 
-    fn find(&mut self, rendered: &Rendered, comes_in: bool) -> Option<Trip> {
+    fn find(&mut self, rendered: &Rendered, comes_in: bool) -> Option<SafetyStop> {
         let found = self
             .find_in_motion(rendered)
-            .or(rendered.stalled.then_some(Trip::Stalled));
+            .or(rendered.stalled.then_some(SafetyStop::Stalled));
         let elapsed = rendered.elapsed.unwrap_or(self.period);
         if found.is_some() || comes_in || self.is_not_all_there() {
             // Energy does not count after an invalid position, or while the contact's force is off.
@@ -420,29 +422,29 @@ impl Safety {
         }
         self.oscillation
             .watch(rendered.created_energy, elapsed)
-            .then_some(Trip::Oscillation)
+            .then_some(SafetyStop::Oscillation)
     }
 
-    fn find_in_motion(&self, rendered: &Rendered) -> Option<Trip> {
+    fn find_in_motion(&self, rendered: &Rendered) -> Option<SafetyStop> {
         if !is_finite(&rendered.position) || !rendered.wrench.is_finite() {
-            return Some(Trip::NotANumber);
+            return Some(SafetyStop::NotANumber);
         }
         if let Some([lower, upper]) = self.params.workspace {
             let mut axes = rendered.position.iter().zip(lower.iter().zip(&upper));
             if axes.any(|(x, (low, high))| x < low || x > high) {
-                return Some(Trip::OutsideWorkspace);
+                return Some(SafetyStop::OutsideWorkspace);
             }
         }
         if let Some([from, to]) = self.params.range
             && !(from..=to).contains(&rendered.coordinate)
         {
-            return Some(Trip::OutsideWorkspace);
+            return Some(SafetyStop::OutsideWorkspace);
         }
         if let (Some(last), Some(elapsed)) = (self.last_position, rendered.elapsed) {
             let moved = rendered.position.iter().zip(&last);
             let square: f64 = moved.map(|(x, last)| (x - last).powi(2)).sum();
             if square.sqrt() > self.params.largest_speed * elapsed {
-                return Some(Trip::TooFast);
+                return Some(SafetyStop::TooFast);
             }
         }
         None

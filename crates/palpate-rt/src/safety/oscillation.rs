@@ -84,8 +84,8 @@ mod tests {
         assert!(!oscillation.watch(0.0, 0.001));
         assert!(!oscillation.watch(0.04, 0.001));
         oscillation.another_method();
-        let trips = oscillation.watch(0.04 + second, 0.001);
-        (trips, oscillation.is_from_before())
+        let safety_stops = oscillation.watch(0.04 + second, 0.001);
+        (safety_stops, oscillation.is_from_before())
     }
 
     #[test]
@@ -95,10 +95,10 @@ mod tests {
         assert_eq!(after_a_change(0.045), (true, false));
         // A method that changes at every tick does not hide an oscillation.
         let mut oscillation = Oscillation::new(OscillationParams::default());
-        let trips = (0..20).any(|i| {
+        let safety_stops = (0..20).any(|i| {
             oscillation.another_method();
             oscillation.watch(0.004 * f64::from(i), 0.001)
         });
-        assert!(trips);
+        assert!(safety_stops);
     }
 }

@@ -1,7 +1,7 @@
 //! Changes of the rendering while the loop runs.
 
 use palpate::{AnyParams, CoupledParams, HfcrParams, Mass, Side, VirtualDamperParams};
-use palpate_rt::safety::{SafetyParams, Trip};
+use palpate_rt::safety::{SafetyParams, SafetyStop};
 use palpate_rt::{ChangeError, Note, Rendering, tap};
 use palpate_scene::method::MethodName;
 
@@ -311,41 +311,41 @@ fn said_after_a_switch(to: MethodName, ticks: usize) -> (Option<usize>, Vec<Note
     let (tap, listener) = tap(1 << 14);
     let mut control = control.tapped(tap);
     let mut parameters = control.parameters().unwrap();
-    let mut tripped = None;
+    let mut stopped = None;
     for tick in 0..2000 {
         if tick == ticks {
             let rendering = buzzing.rendering(to).unwrap();
             parameters.change(rendering).unwrap();
         }
         control.tick();
-        if control.trip().is_some() {
-            tripped = Some(tick);
+        if control.safety_stop().is_some() {
+            stopped = Some(tick);
             break;
         }
     }
     drop(control);
     let mut notes = Vec::new();
-    for told in listener {
-        if let palpate_rt::Told::Note(noted) = told {
+    for messages in listener {
+        if let palpate_rt::Message::Note(noted) = messages {
             notes.push(noted.note);
         }
     }
-    (tripped, notes)
+    (stopped, notes)
 }
 
 #[test]
 fn the_method_that_created_the_energy_is_named_and_not_the_one_that_renders_now() {
-    let (tripped, notes) = said_after_a_switch(MethodName::Basic, usize::MAX);
-    let tripped = tripped.expect("the spring force trips");
+    let (stopped, notes) = said_after_a_switch(MethodName::Basic, usize::MAX);
+    let stopped = stopped.expect("the spring force safety stops");
     let by_basic = Note::Oscillated {
         method: MethodName::Basic.name(),
         renders_now: MethodName::Basic.name(),
     };
     assert!(notes.contains(&by_basic), "{notes:?}");
-    assert!(!notes.contains(&Note::Tripped(Trip::Oscillation)));
+    assert!(!notes.contains(&Note::Stopped(SafetyStop::Oscillation)));
     // The change arrives in the tick that stops: the interval that ends there belongs to the spring force.
-    let (at, notes) = said_after_a_switch(MethodName::Coupled, tripped);
-    assert_eq!(at, Some(tripped));
+    let (at, notes) = said_after_a_switch(MethodName::Coupled, stopped);
+    assert_eq!(at, Some(stopped));
     let before_coupled = Note::Oscillated {
         method: MethodName::Basic.name(),
         renders_now: MethodName::Coupled.name(),
@@ -353,7 +353,7 @@ fn the_method_that_created_the_energy_is_named_and_not_the_one_that_renders_now(
     assert!(notes.contains(&before_coupled), "{notes:?}");
     // A method that oscillates itself long after the change is named.
     let (at, notes) = said_after_a_switch(MethodName::Seh, 0);
-    assert!(at.is_some(), "sample-estimate-hold trips too");
+    assert!(at.is_some(), "sample-estimate-hold safety stops too");
     let by_seh = Note::Oscillated {
         method: MethodName::Seh.name(),
         renders_now: MethodName::Seh.name(),

@@ -6,8 +6,8 @@ use std::time::Duration;
 use palpate_device::clock::{Clock, SteppedClock};
 use palpate_device::{DeviceErrorKind, Step};
 use palpate_record::recording::Flags;
-use palpate_rt::safety::{SafetyParams, Trip};
-use palpate_rt::{Listener, Note, StopFlag, Told, tap};
+use palpate_rt::safety::{SafetyParams, SafetyStop};
+use palpate_rt::{Listener, Message, Note, StopFlag, tap};
 use palpate_scene::method::MethodName;
 
 use crate::{Scripted, at, scene, scripted, simulated, wide};
@@ -44,9 +44,9 @@ fn meets(fault: &[Step]) -> (Scripted, SteppedClock, Listener) {
 fn notes(listener: &mut Listener) -> Vec<Note> {
     listener
         .by_ref()
-        .filter_map(|told| match told {
-            Told::Note(noted) => Some(noted.note),
-            Told::Tick(..) => None,
+        .filter_map(|messages| match messages {
+            Message::Note(noted) => Some(noted.note),
+            Message::Tick(..) => None,
         })
         .collect()
 }
@@ -66,49 +66,64 @@ fn every_fault_of_a_device_leaves_no_force_within_two_periods() {
     let nan = Step::At([f64::NAN, 0.0, 0.0]);
     let infinite = Step::At([f64::INFINITY, 0.0, 0.0]);
     use DeviceErrorKind::{Disconnected, NothingNew, Refused};
-    let table: [(&str, Step, Trip); 9] = [
-        ("position NaN", nan, Trip::NotANumber),
-        ("position infinite", infinite, Trip::NotANumber),
-        ("repeated sample", Step::Stale, Trip::StaleSample),
-        ("no sample", Step::Fails(NothingNew), Trip::StaleSample),
-        ("out of the box", at(60.0), Trip::OutsideWorkspace),
-        ("too fast", at(40.0), Trip::TooFast),
-        ("read refused", Step::Fails(Refused), Trip::DeviceRefused),
-        ("device gone", Step::Fails(Disconnected), Trip::DeviceLost),
+    let table: [(&str, Step, SafetyStop); 9] = [
+        ("position NaN", nan, SafetyStop::NotANumber),
+        ("position infinite", infinite, SafetyStop::NotANumber),
+        ("repeated sample", Step::Stale, SafetyStop::StaleSample),
+        (
+            "no sample",
+            Step::Fails(NothingNew),
+            SafetyStop::StaleSample,
+        ),
+        ("out of the box", at(60.0), SafetyStop::OutsideWorkspace),
+        ("too fast", at(40.0), SafetyStop::TooFast),
+        (
+            "read refused",
+            Step::Fails(Refused),
+            SafetyStop::DeviceRefused,
+        ),
+        (
+            "device gone",
+            Step::Fails(Disconnected),
+            SafetyStop::DeviceLost,
+        ),
         (
             "force refused",
             Step::RefusesForce([1e-3, 0.0, 0.0]),
-            Trip::DeviceRefused,
+            SafetyStop::DeviceRefused,
         ),
     ];
     println!("fault              injected  periods to zero  force after it has passed");
-    for (name, fault, trip) in table {
+    for (name, fault, safety_stop) in table {
         let mut worst = 0;
         let times = 5;
         let mut force_after = 0.0;
         for length in 2..2 + times {
             let (mut control, _, mut listener) = meets(&vec![fault; length]);
-            assert_eq!(notes(&mut listener), [], "{name}: tripped before");
+            assert_eq!(notes(&mut listener), [], "{name}: stopped before");
             worst = worst.max(periods_to_zero(&mut control));
-            assert_eq!(control.trip(), Some(trip), "{name}");
+            assert_eq!(control.safety_stop(), Some(safety_stop), "{name}");
             let mut last = control.tick();
             for _ in 0..1000 {
                 last = control.tick();
-                if control.trip().is_some() {
+                if control.safety_stop().is_some() {
                     assert_eq!(last.contact.force_on_device, 0.0, "{name}");
-                    assert!(last.tick.flags.has(Flags::SAFETY_TRIPPED), "{name}");
+                    assert!(last.tick.flags.has(Flags::SAFETY_STOPPED), "{name}");
                 }
             }
             force_after = last.contact.force_on_object
                 - (last.contact.force_on_object + last.contact.force_on_device);
             let notes = notes(&mut listener);
-            assert!(notes.contains(&Note::Tripped(trip)), "{name}: {notes:?}");
+            assert!(
+                notes.contains(&Note::Stopped(safety_stop)),
+                "{name}: {notes:?}"
+            );
             let recovered = notes.iter().any(|note| matches!(note, Note::Recovered(_)));
-            assert_eq!(recovered, trip.is_passing(), "{name}: {notes:?}");
+            assert_eq!(recovered, safety_stop.is_passing(), "{name}: {notes:?}");
         }
         println!("{name:<18} {times:>8}  {worst:>15}  {force_after:.3} N");
         assert!(worst <= 2, "{name}: {worst} periods");
-        let expected = if trip.is_passing() { 1.0 } else { 0.0 };
+        let expected = if safety_stop.is_passing() { 1.0 } else { 0.0 };
         assert!(
             (force_after - expected).abs() < 1e-9,
             "{name}: {force_after} N"
@@ -212,13 +227,13 @@ fn a_contact_that_creates_energy_trips_and_well_rendered_ones_do_not() {
     buzzing.contact.stiffness *= 4.0;
     let (mut control, _) = simulated(&buzzing, MethodName::Basic, SafetyParams::default());
     let mut worst_before: f64 = 0.0;
-    let tripped = (0..2000).find(|_| {
+    let stopped = (0..2000).find(|_| {
         let tick = control.tick();
         worst_before = worst_before.max(tick.contact.held_leak);
-        control.trip().is_some()
+        control.safety_stop().is_some()
     });
-    println!("basic at kappa 2.6 trips at period {tripped:?}, {worst_before:.3} J created");
-    assert_eq!(control.trip(), Some(Trip::Oscillation));
+    println!("basic at kappa 2.6 safety stops at period {stopped:?}, {worst_before:.3} J created");
+    assert_eq!(control.safety_stop(), Some(SafetyStop::Oscillation));
     for name in [
         "fig2.toml",
         "experiment1.toml",
@@ -231,7 +246,7 @@ fn a_contact_that_creates_energy_trips_and_well_rendered_ones_do_not() {
             for _ in 0..1000 {
                 control.tick();
             }
-            assert_eq!(control.trip(), None, "{name}, {method}");
+            assert_eq!(control.safety_stop(), None, "{name}, {method}");
         }
     }
 }
@@ -260,14 +275,17 @@ fn a_stalled_loop_is_cut_within_two_periods_and_comes_back_softly() {
     assert_eq!(control.cuts(), 1);
     let back = control.tick();
     assert_eq!(back.contact.force_on_device, 0.0);
-    assert_eq!(control.trip(), Some(Trip::Stalled));
+    assert_eq!(control.safety_stop(), Some(SafetyStop::Stalled));
     let forces: Vec<f64> = (0..300)
         .map(|_| -control.tick().contact.force_on_device)
         .collect();
     assert!(forces[0] < 0.01 && (forces[299] - 1.0).abs() < 1e-9);
     let notes = notes(&mut listener);
-    assert!(notes.contains(&Note::Tripped(Trip::Stalled)));
-    assert!(notes.contains(&Note::Recovered(Trip::Stalled)), "{notes:?}");
+    assert!(notes.contains(&Note::Stopped(SafetyStop::Stalled)));
+    assert!(
+        notes.contains(&Note::Recovered(SafetyStop::Stalled)),
+        "{notes:?}"
+    );
     // A loop on time is not cut.
     for _ in 0..100 {
         control.tick();
@@ -312,8 +330,8 @@ fn the_ledger_counts_no_force_from_the_cut_on() {
         let (mut control, clock, _listener) = meets(&[at(1.0), at(2.0)]);
         let mut supervisor = control.supervisor().unwrap();
         let before = control.tick();
-        let guardian = control.device().guardian();
-        guardian.store(is_guarded, Ordering::SeqCst);
+        let watchdog = control.device().watchdog();
+        watchdog.store(is_guarded, Ordering::SeqCst);
         let after = supervisor_after.unwrap_or(0);
         clock.advance(Duration::from_micros(after));
         assert_eq!(supervisor.look(clock.now()), supervisor_after.is_some());
@@ -399,7 +417,7 @@ fn a_freeze_of_loop_and_supervisor_is_noticed_by_the_loop() {
         control.tick();
         clock.advance(Duration::from_millis(milliseconds));
         assert_eq!(control.tick().contact.force_on_device, 0.0);
-        assert!(notes(&mut listener).contains(&Note::Tripped(Trip::Stalled)));
+        assert!(notes(&mut listener).contains(&Note::Stopped(SafetyStop::Stalled)));
         // Ten times the duration of the outage, up to a whole soft start.
         let expected = (10 * milliseconds).min(200);
         let ticks = comes_in_by(&mut control, 1.0 / expected as f64);
@@ -415,8 +433,8 @@ fn a_trip_that_stays_is_told_even_in_the_tick_after_a_stall() {
     let (mut control, clock, mut listener) = meets(&[at(60.0)]);
     clock.advance(Duration::from_millis(50));
     control.tick();
-    assert_eq!(control.trip(), Some(Trip::OutsideWorkspace));
-    assert!(notes(&mut listener).contains(&Note::Tripped(Trip::OutsideWorkspace)));
+    assert_eq!(control.safety_stop(), Some(SafetyStop::OutsideWorkspace));
+    assert!(notes(&mut listener).contains(&Note::Stopped(SafetyStop::OutsideWorkspace)));
 }
 
 #[test]

@@ -7,8 +7,8 @@ use palpate_device::clock::{Clock, SteppedClock};
 use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, NullDevice, Pose, Step, Wrench,
 };
-use palpate_rt::safety::{SafetyParams, Trip};
-use palpate_rt::{ControlLoop, Ending, StopFlag, Told, tap};
+use palpate_rt::safety::{SafetyParams, SafetyStop};
+use palpate_rt::{ControlLoop, Ending, Message, StopFlag, tap};
 use palpate_scene::method::MethodName;
 
 use crate::{at, scene, scripted, wide};
@@ -76,7 +76,7 @@ fn a_run_ends_when_the_device_is_gone() {
     let ending = control.run(&StopFlag::new(), Some(100));
     assert_eq!(ending, Ending::DeviceLost);
     assert_eq!(control.statistics().ticks, 3);
-    assert_eq!(control.trip(), Some(Trip::DeviceLost));
+    assert_eq!(control.safety_stop(), Some(SafetyStop::DeviceLost));
     assert_eq!(control.device().forces().last(), Some(&[0.0; 3]));
 }
 
@@ -118,9 +118,9 @@ fn what_finds_no_room_in_a_tap_is_lost_and_counted() {
     assert_eq!(listener.lost(), 6);
     let numbers: Vec<u64> = listener
         .by_ref()
-        .map(|told| match told {
-            Told::Tick(tick, ..) => tick.sequence,
-            Told::Note(noted) => noted.sequence,
+        .map(|messages| match messages {
+            Message::Tick(tick, ..) => tick.sequence,
+            Message::Note(noted) => noted.sequence,
         })
         .collect();
     assert_eq!(numbers, [0, 1, 2, 3]);

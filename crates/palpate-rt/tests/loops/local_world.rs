@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use palpate_device::clock::SteppedClock;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, LocalWorld, SetupError, SlowHost, WorldFrame, local_world};
+use palpate_rt::{ControlLoop, LocalWorld, LowRateSimulator, SetupError, WorldFrame, local_world};
 use palpate_scene::world::WorldFile;
 use palpate_sim::device::SpatialDevice;
 use palpate_world::engine::local::{LocalContact, LocalParams, LocalRenderer, ModelRefusal};
@@ -46,7 +46,7 @@ fn renderer(tools: usize) -> LocalRenderer {
     LocalRenderer::new(&tools, params, WorldLoop::new(0.001), coupled).unwrap()
 }
 
-fn pressed(limits: SafetyParams) -> (SlowHost, Loop) {
+fn pressed(limits: SafetyParams) -> (LowRateSimulator, Loop) {
     let scene = WorldFile::parse("device", DEVICE).unwrap().scene;
     let clock = SteppedClock::new();
     let own = &scene.devices[0];
@@ -68,7 +68,7 @@ fn floor() -> Option<LocalContact> {
     ))
 }
 
-fn publish(host: &mut SlowHost) {
+fn publish(host: &mut LowRateSimulator) {
     let tick = host.progress().tick;
     host.publish(tick, &[], &[floor()]).unwrap();
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use palpate_device::clock::Clock;
 use palpate_record::recording::{Flags, LoopTime, Row};
-use palpate_rt::safety::{SafetyParams, Trip};
+use palpate_rt::safety::{SafetyParams, SafetyStop};
 use palpate_rt::tap;
 
 use super::{at, scripted, wide};
@@ -22,7 +22,7 @@ fn what_passes_with_the_motors_off_is_not_created_by_held_forces() {
     script.extend((0..30).map(|step| at(f64::from(step))));
     let (mut control, _) = scripted(script, limits);
     let ticks: Vec<Row> = (0..36).map(|_| control.tick()).collect();
-    let is_off = |row: &&Row| row.tick.flags.has(Flags::SAFETY_TRIPPED);
+    let is_off = |row: &&Row| row.tick.flags.has(Flags::SAFETY_STOPPED);
     assert_eq!(ticks.iter().filter(is_off).count(), 31);
     assert_eq!(control.statistics().motors_off, 31);
     // A force was held before the stop, and none after it.
@@ -58,9 +58,9 @@ fn what_passes_with_the_motors_off_is_not_created_by_held_forces() {
 enum Cut {
     Nobody,
     Supervisor,
-    Guardian,
+    Watchdog,
     /// The supervisor stalled together with the loop.
-    GuardianThenSupervisor,
+    WatchdogThenSupervisor,
 }
 
 /// The loop stalls for 3 s, and a force of 1 N is held until it is removed.
@@ -71,13 +71,13 @@ fn a_stall_counts_by_its_time_from_when_the_force_was_taken_off() {
         (Cut::Nobody, 3_000_000),
         (Cut::Supervisor, 4500),
         // Its limit at 1 kHz equals the supervisor's.
-        (Cut::Guardian, 4000),
-        (Cut::GuardianThenSupervisor, 4000),
+        (Cut::Watchdog, 4000),
+        (Cut::WatchdogThenSupervisor, 4000),
     ] {
         let (control, clock) = scripted(vec![at(1.0)], wide());
         let (tap, listener) = tap(1);
         let mut control = control.tapped(tap);
-        let guardian = control.device().guardian();
+        let watchdog = control.device().watchdog();
         let mut supervisor = control.supervisor().unwrap();
         for _ in 0..=2000 {
             control.tick();
@@ -87,16 +87,16 @@ fn a_stall_counts_by_its_time_from_when_the_force_was_taken_off() {
             clock.advance(us(4500));
             assert!(supervisor.look(clock.now()));
         }
-        guardian.store(
-            matches!(cut, Cut::Guardian | Cut::GuardianThenSupervisor),
+        watchdog.store(
+            matches!(cut, Cut::Watchdog | Cut::WatchdogThenSupervisor),
             Ordering::SeqCst,
         );
         clock.advance(begun + us(3_000_000) - clock.now());
-        if cut == Cut::GuardianThenSupervisor {
+        if cut == Cut::WatchdogThenSupervisor {
             assert!(supervisor.look(clock.now()));
         }
         control.tick();
-        assert_eq!(control.trip(), Some(Trip::Stalled), "{cut:?}");
+        assert_eq!(control.safety_stop(), Some(SafetyStop::Stalled), "{cut:?}");
         let off = us(3_000_000 - held);
         let time = LoopTime {
             lasted: us(5_000_000),
@@ -108,7 +108,7 @@ fn a_stall_counts_by_its_time_from_when_the_force_was_taken_off() {
         for _ in 0..3 {
             control.tick();
         }
-        assert_eq!(control.trip(), None, "{cut:?}");
+        assert_eq!(control.safety_stop(), None, "{cut:?}");
         assert_eq!(control.statistics().time.motors_off, off + us(1000));
         assert_eq!(control.statistics().motors_off, 1, "{cut:?}");
     }

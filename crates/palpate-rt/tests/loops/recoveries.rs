@@ -6,8 +6,8 @@ use std::time::Duration;
 use palpate_device::Wrench;
 use palpate_device::clock::SteppedClock;
 use palpate_device::{DeviceErrorKind, Step};
-use palpate_rt::safety::{Rendered, Safety, SafetyParams, Trip};
-use palpate_rt::{Listener, Note, Told, tap};
+use palpate_rt::safety::{Rendered, Safety, SafetyParams, SafetyStop};
+use palpate_rt::{Listener, Message, Note, tap};
 
 use crate::{Scripted, at, scripted};
 
@@ -25,16 +25,16 @@ fn pressing(script: &[Step]) -> (Scripted, SteppedClock, Listener) {
     (control, clock, listener)
 }
 
-fn tripped(listener: &mut Listener) -> Vec<Trip> {
-    let notes = listener.by_ref().filter_map(|told| match told {
-        Told::Note(noted) => Some(noted.note),
-        Told::Tick(..) => None,
+fn stopped(listener: &mut Listener) -> Vec<SafetyStop> {
+    let notes = listener.by_ref().filter_map(|messages| match messages {
+        Message::Note(noted) => Some(noted.note),
+        Message::Tick(..) => None,
     });
-    let trips = notes.filter_map(|note| match note {
-        Note::Tripped(trip) => Some(trip),
+    let safety_stops = notes.filter_map(|note| match note {
+        Note::Stopped(safety_stop) => Some(safety_stop),
         _ => None,
     });
-    trips.collect()
+    safety_stops.collect()
 }
 
 /// Stalls for `stall` ms in each `each` ms, 40 times or until the motors stay off. Returns the number of recoveries.
@@ -44,10 +44,10 @@ fn frozen(control: &mut Scripted, clock: &SteppedClock, stall: u64, each: u64) -
         for _ in 0..each - stall {
             control.tick();
         }
-        if control.trip() == Some(Trip::TooManyRecoveries) {
+        if control.safety_stop() == Some(SafetyStop::TooManyRecoveries) {
             return recovered;
         }
-        assert_eq!(control.trip(), None);
+        assert_eq!(control.safety_stop(), None);
     }
     40
 }
@@ -61,10 +61,10 @@ fn a_loop_that_is_frozen_again_and_again_leaves_its_motors_off_for_good() {
     }
     assert_eq!(control.device().forces().last(), Some(&[0.0; 3]));
     assert!(control.statistics().off_at_end >= Duration::from_secs(5));
-    let trips = tripped(&mut listener);
-    let (last, before) = trips.split_last().unwrap();
-    assert_eq!(*last, Trip::TooManyRecoveries);
-    assert_eq!(before, [Trip::Stalled; 8]);
+    let safety_stops = stopped(&mut listener);
+    let (last, before) = safety_stops.split_last().unwrap();
+    assert_eq!(*last, SafetyStop::TooManyRecoveries);
+    assert_eq!(before, [SafetyStop::Stalled; 8]);
     assert!(!last.is_passing());
     // Rearming allows another eight recoveries.
     control.rearm().store(true, Ordering::Release);
@@ -96,7 +96,11 @@ fn brief_stalls_never_count() {
     for stall in [6, 10, 19] {
         let (mut control, clock, mut listener) = pressing(&[]);
         assert_eq!(frozen(&mut control, &clock, stall, stall + 5), 40);
-        assert_eq!(tripped(&mut listener), [Trip::Stalled; 40], "{stall} ms");
+        assert_eq!(
+            stopped(&mut listener),
+            [SafetyStop::Stalled; 40],
+            "{stall} ms"
+        );
     }
     let (mut control, clock, _listener) = pressing(&[]);
     assert_eq!(frozen(&mut control, &clock, 21, 26), 7);
@@ -118,9 +122,9 @@ fn outages_of_the_device_count_by_how_long_they_are() {
     let nan = Step::At([f64::NAN, 0.0, 0.0]);
     for (fault, count, expected) in [
         (missing, 18, None),
-        (missing, 25, Some(Trip::TooManyRecoveries)),
+        (missing, 25, Some(SafetyStop::TooManyRecoveries)),
         (nan, 18, None),
-        (nan, 25, Some(Trip::TooManyRecoveries)),
+        (nan, 25, Some(SafetyStop::TooManyRecoveries)),
     ] {
         let mut script = Vec::new();
         for _ in 0..20 {
@@ -131,14 +135,14 @@ fn outages_of_the_device_count_by_how_long_they_are() {
         for _ in 0..script.len() {
             control.tick();
         }
-        assert_eq!(control.trip(), expected, "{fault:?}, {count}");
+        assert_eq!(control.safety_stop(), expected, "{fault:?}, {count}");
     }
 }
 
 /// A force with a ramp of one second never reaches its full value if it is lost every second.
 #[test]
 fn with_a_longer_soft_start_recoveries_count_for_longer() {
-    let trips = |soft_start: f64| {
+    let safety_stops = |soft_start: f64| {
         let limits = SafetyParams {
             soft_start,
             ..SafetyParams::default()
@@ -154,13 +158,13 @@ fn with_a_longer_soft_start_recoveries_count_for_longer() {
                 refused: false,
                 stalled,
             };
-            safety.judge(&sample(0.1, true));
+            safety.evaluate(&sample(0.1, true));
             for _ in 0..1000 {
-                safety.judge(&sample(0.001, false));
+                safety.evaluate(&sample(0.001, false));
             }
-            safety.trip() == Some(Trip::TooManyRecoveries)
+            safety.safety_stop() == Some(SafetyStop::TooManyRecoveries)
         })
     };
-    assert!(!trips(0.2));
-    assert!(trips(1.0));
+    assert!(!safety_stops(0.2));
+    assert!(safety_stops(1.0));
 }

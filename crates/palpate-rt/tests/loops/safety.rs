@@ -3,7 +3,7 @@
 use palpate::Actuation;
 use palpate_device::Wrench;
 use palpate_rt::BoundedWorld;
-use palpate_rt::safety::{OscillationParams, Rendered, Safety, SafetyParams, Trip};
+use palpate_rt::safety::{OscillationParams, Rendered, Safety, SafetyParams, SafetyStop};
 use palpate_world::{
     BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Sample, Shape,
     Tool, World, WorldLoop, WorldRenderer,
@@ -38,11 +38,11 @@ const HERE: [f64; 3] = [0.0; 3];
 fn a_force_that_is_no_number_is_none() {
     for force in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut safety = safety();
-        assert_eq!(safety.judge(&sample(HERE, 1.0)).wrench.force[0], 1.0);
-        let verdict = safety.judge(&sample(HERE, force));
+        assert_eq!(safety.evaluate(&sample(HERE, 1.0)).wrench.force[0], 1.0);
+        let verdict = safety.evaluate(&sample(HERE, force));
         assert_eq!(verdict.wrench.force[0], 0.0);
-        assert_eq!(verdict.tripped, Some(Trip::NotANumber));
-        assert_eq!(safety.judge(&sample(HERE, 1.0)).wrench.force[0], 1.0);
+        assert_eq!(verdict.stopped, Some(SafetyStop::NotANumber));
+        assert_eq!(safety.evaluate(&sample(HERE, 1.0)).wrench.force[0], 1.0);
     }
 }
 
@@ -54,11 +54,11 @@ fn the_box_has_six_sides() {
             let mut position = HERE;
             position[axis] = sign * extent;
             let mut safety = safety();
-            assert_eq!(safety.judge(&sample(position, 1.0)).wrench.force[0], 1.0);
+            assert_eq!(safety.evaluate(&sample(position, 1.0)).wrench.force[0], 1.0);
             position[axis] = sign * (extent + 1e-9);
-            let verdict = safety.judge(&sample(position, 1.0));
+            let verdict = safety.evaluate(&sample(position, 1.0));
             assert_eq!(verdict.wrench.force[0], 0.0);
-            assert_eq!(verdict.tripped, Some(Trip::OutsideWorkspace));
+            assert_eq!(verdict.stopped, Some(SafetyStop::OutsideWorkspace));
         }
     }
 }
@@ -79,41 +79,41 @@ fn the_range_lies_along_the_axis_of_the_contact() {
     ] {
         let mut safety = Safety::new(limits, 0.001).unwrap();
         // The position in the device's own frame does not matter.
-        let verdict = safety.judge(&Rendered {
+        let verdict = safety.evaluate(&Rendered {
             coordinate,
             ..sample([0.3, -0.2, 0.1], 1.0)
         });
         assert_eq!(verdict.wrench.force[0] == 1.0, is_inside, "{coordinate}");
-        let trip = (!is_inside).then_some(Trip::OutsideWorkspace);
-        assert_eq!(verdict.tripped, trip, "{coordinate}");
+        let safety_stop = (!is_inside).then_some(SafetyStop::OutsideWorkspace);
+        assert_eq!(verdict.stopped, safety_stop, "{coordinate}");
     }
 }
 
 #[test]
 fn of_two_trips_the_one_that_stays_is_kept() {
     let mut safety = safety();
-    safety.judge(&sample([f64::NAN; 3], 1.0));
-    assert_eq!(safety.trip(), Some(Trip::NotANumber));
-    let outside = safety.judge(&sample([9.0; 3], 1.0));
-    assert_eq!(outside.tripped, Some(Trip::OutsideWorkspace));
+    safety.evaluate(&sample([f64::NAN; 3], 1.0));
+    assert_eq!(safety.safety_stop(), Some(SafetyStop::NotANumber));
+    let outside = safety.evaluate(&sample([9.0; 3], 1.0));
+    assert_eq!(outside.stopped, Some(SafetyStop::OutsideWorkspace));
     // A self-clearing stop does not replace it, and its end lifts nothing.
-    assert_eq!(safety.trip_on(Trip::Stalled).tripped, None);
+    assert_eq!(safety.stop_on(SafetyStop::Stalled).stopped, None);
     safety.missing();
     safety.missing();
-    assert_eq!(safety.judge(&sample(HERE, 1.0)).wrench.force[0], 0.0);
-    assert_eq!(safety.trip(), Some(Trip::OutsideWorkspace));
+    assert_eq!(safety.evaluate(&sample(HERE, 1.0)).wrench.force[0], 0.0);
+    assert_eq!(safety.safety_stop(), Some(SafetyStop::OutsideWorkspace));
 }
 
 #[test]
 fn missing_samples_that_do_not_follow_each_other_do_not_add_up() {
     let mut safety = safety();
     for _ in 0..5 {
-        assert_eq!(safety.judge(&sample(HERE, 1.0)).wrench.force[0], 1.0);
+        assert_eq!(safety.evaluate(&sample(HERE, 1.0)).wrench.force[0], 1.0);
         assert_eq!(safety.missing().wrench.force[0], 1.0);
     }
-    assert_eq!(safety.trip(), None);
+    assert_eq!(safety.safety_stop(), None);
     assert_eq!(safety.missing().wrench.force[0], 0.0);
-    assert_eq!(safety.trip(), Some(Trip::StaleSample));
+    assert_eq!(safety.safety_stop(), Some(SafetyStop::StaleSample));
 }
 
 /// A millijoule each 10 ms decays as fast as it arrives; the same energy at once does not.
@@ -131,12 +131,12 @@ fn created_energy_counts_for_a_while_only() {
     let created = |period: f64| {
         let mut safety = Safety::new(limits, period).unwrap();
         (1..=200).find(|number| {
-            safety.judge(&Rendered {
+            safety.evaluate(&Rendered {
                 elapsed: Some(period),
                 created_energy: 1e-3 * f64::from(*number),
                 ..sample(HERE, 1.0)
             });
-            safety.trip() == Some(Trip::Oscillation)
+            safety.safety_stop() == Some(SafetyStop::Oscillation)
         })
     };
     assert_eq!(created(0.01), None);
@@ -165,7 +165,7 @@ fn what_is_too_long_keeps_its_direction() {
         force: [12.0, 0.0, -16.0],
         torque: [0.0, 0.3, 0.0],
     };
-    let verdict = safety.judge(&with(long));
+    let verdict = safety.evaluate(&with(long));
     assert_eq!(verdict.wrench.force, [6.0, 0.0, -8.0]);
     assert_eq!(verdict.wrench.torque, long.torque);
     assert!(verdict.bounded.force);
@@ -173,14 +173,14 @@ fn what_is_too_long_keeps_its_direction() {
         force: [6.0, 0.0, -8.0],
         torque: [0.0, -3.0, 4.0],
     };
-    let verdict = safety.judge(&with(twisted));
+    let verdict = safety.evaluate(&with(twisted));
     assert_eq!(verdict.wrench.force, twisted.force);
     for (given, wanted) in verdict.wrench.torque.iter().zip([0.0, -0.3, 0.4]) {
         assert!((given - wanted).abs() < 1e-15, "{verdict:?}");
     }
     // Each component alone is within the limit.
     let diagonal = Wrench::of_force([9.0, 9.0, 9.0]);
-    let [x, y, z] = safety.judge(&with(diagonal)).wrench.force;
+    let [x, y, z] = safety.evaluate(&with(diagonal)).wrench.force;
     assert!((x * x + y * y + z * z - 100.0).abs() < 1e-12 && x == y && y == z);
 }
 
@@ -199,7 +199,7 @@ fn a_wrench_that_changes_too_fast_goes_straight_to_the_new_one() {
     };
     let mut before = Wrench::NONE;
     for step in 1..=5 {
-        let verdict = safety.judge(&with(wanted));
+        let verdict = safety.evaluate(&with(wanted));
         let now = verdict.wrench;
         assert_eq!(verdict.bounded.slew, step < 5, "{step}");
         let change: f64 = (0..3)
@@ -236,14 +236,14 @@ fn the_slew_limit_goes_by_the_time_that_has_passed() {
             elapsed: Some(elapsed),
             ..with(wanted)
         };
-        let now = safety.judge(&rendered).wrench;
+        let now = safety.evaluate(&rendered).wrench;
         force += 1000.0 * elapsed;
         assert!((now.force[0] - force).abs() < 1e-12, "{elapsed}: {now:?}");
         assert!((now.torque[2] - 0.01 * force).abs() < 1e-12, "{now:?}");
     }
     // After an outage the time without a force is unknown: the change is limited as after one period.
-    safety.trip_on(Trip::StaleSample);
-    let back = safety.judge(&Rendered {
+    safety.stop_on(SafetyStop::StaleSample);
+    let back = safety.evaluate(&Rendered {
         elapsed: Some(0.1),
         ..with(wanted)
     });
@@ -254,11 +254,11 @@ fn the_slew_limit_goes_by_the_time_that_has_passed() {
 fn a_torque_that_is_no_number_is_none() {
     let mut safety = safety();
     let torque = [0.0, f64::NAN, 0.0];
-    let verdict = safety.judge(&with(Wrench {
+    let verdict = safety.evaluate(&with(Wrench {
         torque,
         ..Wrench::NONE
     }));
-    assert_eq!(verdict.tripped, Some(Trip::NotANumber));
+    assert_eq!(verdict.stopped, Some(SafetyStop::NotANumber));
     assert_eq!(verdict.wrench, Wrench::NONE);
 }
 
@@ -267,7 +267,10 @@ fn a_torque_that_is_no_number_is_none() {
 fn forces_of_any_size_are_shortened() {
     let mut safety = safety();
     for size in [1e200, f64::MAX] {
-        let [x, y, _] = safety.judge(&with([size, -size, 0.0].into())).wrench.force;
+        let [x, y, _] = safety
+            .evaluate(&with([size, -size, 0.0].into()))
+            .wrench
+            .force;
         assert!((x.hypot(y) - 20.0).abs() < 1e-12 && y == -x, "{size}");
     }
 }
@@ -301,7 +304,7 @@ fn the_slew_limit_holds_in_soft_starts_and_recoveries() {
                 let verdict = if draw() < 0.02 {
                     safety.missing()
                 } else {
-                    safety.judge(&rendered)
+                    safety.evaluate(&rendered)
                 };
                 let force = verdict.wrench.force[0];
                 assert!(force.abs() * largest <= 20.0 + 1e-12, "{tick}: {force} N");
@@ -336,8 +339,8 @@ fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
         }],
         joints: Vec::new(),
     };
-    let in_loop = WorldLoop::new(0.001);
-    let renderer = WorldRenderer::new(&world, in_loop, BasicParams::default()).unwrap();
+    let loop_params = WorldLoop::new(0.001);
+    let renderer = WorldRenderer::new(&world, loop_params, BasicParams::default()).unwrap();
     let limits = SafetyParams::bounding(Some(force_limit), None, 0.2);
     BoundedWorld::new(renderer, limits).unwrap()
 }
@@ -357,17 +360,20 @@ fn pressed(stiffness: f64, ticks: usize) -> (Option<usize>, f64) {
             assert_eq!(force, 0.0);
             stopped.get_or_insert(tick);
         }
-        assert_eq!(world.trip() == Some(Trip::Oscillation), is_stopped);
+        assert_eq!(
+            world.safety_stop() == Some(SafetyStop::Oscillation),
+            is_stopped
+        );
         let acceleration = (force - 5.0 - 2.0 * velocity) / 0.05;
         position += PERIOD * velocity + 0.5 * PERIOD * PERIOD * acceleration;
         velocity += PERIOD * acceleration;
         // The hand catches the falling mass.
         position = position.max(-0.02);
     }
-    let created = world.state().books().created();
+    let created = world.state().ledger().created();
     if stopped.is_some() {
         world.restart();
-        assert_eq!(world.trip(), None);
+        assert_eq!(world.safety_stop(), None);
     }
     (stopped, created)
 }
@@ -385,19 +391,19 @@ fn a_bounded_world_that_creates_energy_is_stopped() {
 #[test]
 fn a_press_through_the_force_limit_is_no_oscillation() {
     let mut world = floor_within(5.0, 1000.0);
-    let mut most_in_books: f64 = 0.0;
+    let mut max_in_ledger: f64 = 0.0;
     for tick in 0..800 {
         let turn = 2.0 * std::f64::consts::PI * f64::from(tick) / 800.0;
         let position = 1e-3 - 0.015 * (1.0 - turn.cos());
         let held = world.step(&Sample::at(&[[0.0, 0.0, position]]));
         assert!(!held.bounded.stopped, "{tick}");
-        most_in_books = most_in_books.max(world.state().books().created());
+        max_in_ledger = max_in_ledger.max(world.state().ledger().created());
         // Generated by a held spring of 1 N/mm at speeds under 0.12 m/s: less than 2 mJ.
         let created = world.created_energy();
         assert!(created.abs() < 2e-3, "{tick}: {created} J");
     }
     // With the whole stored energy it would stop: 5 N over 29 mm are 133 mJ, and the spring stores 421 mJ.
-    assert!(most_in_books > 0.25, "{most_in_books} J");
+    assert!(max_in_ledger > 0.25, "{max_in_ledger} J");
 }
 
 /// A ball of 0.1 kg is thrown by a contact of up to 40 N, of which 5 N reach the device. It gains more energy than
@@ -419,8 +425,9 @@ fn a_ball_that_a_limited_force_throws_is_no_oscillation() {
         }],
         joints: Vec::new(),
     };
-    let in_loop = WorldLoop::new(0.001);
-    let renderer = WorldRenderer::new(&world, in_loop, CoupledParams::new(vec![[0.1; 3]])).unwrap();
+    let loop_params = WorldLoop::new(0.001);
+    let renderer =
+        WorldRenderer::new(&world, loop_params, CoupledParams::new(vec![[0.1; 3]])).unwrap();
     let limits = SafetyParams::bounding(Some(5.0), None, 0.0);
     let mut world = BoundedWorld::new(renderer, limits).unwrap();
     let (mut given, mut limited): (f64, usize) = (0.0, 0);

@@ -8,10 +8,10 @@ use std::time::Duration;
 use palpate_device::clock::{Clock, SteppedClock};
 use palpate_device::{DeviceErrorKind, ScriptedDevice, Step, Vector};
 use palpate_record::recording::Flags;
-use palpate_rt::safety::{SafetyParams, Trip};
+use palpate_rt::safety::{SafetyParams, SafetyStop};
 use palpate_rt::{
-    BoundedWorld, ControlLoop, Listener, Note, Noted, RenderedWorld, SetupError, Told, WorldFrame,
-    tap,
+    BoundedWorld, ControlLoop, Listener, LoopEvent, Message, Note, RenderedWorld, SetupError,
+    WorldFrame, tap,
 };
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_sim::device::SpatialDevice;
@@ -82,12 +82,12 @@ fn written(control: &Several) -> [f64; 2] {
     [(); 2].map(|()| last.next().flatten().map_or(f64::NAN, |force| force[2]))
 }
 
-fn notes(listener: &mut Listener) -> Vec<Noted> {
-    let told = listener.by_ref().filter_map(|told| match told {
-        Told::Note(noted) => Some(noted),
-        Told::Tick(..) => None,
+fn notes(listener: &mut Listener) -> Vec<LoopEvent> {
+    let messages = listener.by_ref().filter_map(|messages| match messages {
+        Message::Note(noted) => Some(noted),
+        Message::Tick(..) => None,
     });
-    told.collect()
+    messages.collect()
 }
 
 fn limits() -> SafetyParams {
@@ -158,14 +158,17 @@ fn forces_and_books_are_those_of_a_bounded_world() {
             assert_eq!(said.commanded_force, forces[0]);
             most = most.max(length(forces[1]));
         }
-        assert_eq!(control.rendered().state().books(), bounded.state().books());
+        assert_eq!(
+            control.rendered().state().ledger(),
+            bounded.state().ledger()
+        );
         assert_eq!(
             control.rendered().state().bodies(),
             bounded.state().bodies()
         );
         println!("{method}: up to {most:.2} N, {limited:?} ticks at the limits");
         assert!(limited.iter().all(|ticks| *ticks > 3), "{limited:?}");
-        assert!(most > 0.5 && control.trip().is_none(), "{most} N");
+        assert!(most > 0.5 && control.safety_stop().is_none(), "{most} N");
     }
 }
 
@@ -237,8 +240,8 @@ fn each_device_has_its_own_limits() {
     for (limits, device) in [([boxed, unbounded], 0), ([unbounded, boxed], 1)] {
         let (mut control, _) = scripted(scripts(), limits);
         control.tick();
-        let expected = Some((device, Trip::OutsideWorkspace));
-        assert_eq!(control.tripped_device(), expected);
+        let expected = Some((device, SafetyStop::OutsideWorkspace));
+        assert_eq!(control.stopped_device(), expected);
         assert_eq!(written(&control), [0.0; 2]);
     }
 }
@@ -248,23 +251,28 @@ fn each_device_has_its_own_limits() {
 fn a_fault_of_one_device_takes_the_force_off_both_and_is_named() {
     use DeviceErrorKind::{Disconnected, NothingNew, Refused};
     let faults = [
-        (Step::At([f64::NAN; 3]), 5, 1, Trip::NotANumber),
-        (Step::At([f64::INFINITY; 3]), 5, 1, Trip::NotANumber),
-        (Step::Stale, 5, 2, Trip::StaleSample),
-        (Step::Fails(NothingNew), 5, 2, Trip::StaleSample),
-        (Step::At([0.02, 0.0, -1e-3]), 5, 1, Trip::TooFast),
-        (Step::At([0.06, 0.0, -1e-3]), 5, 1, Trip::OutsideWorkspace),
-        (Step::Fails(Refused), 5, 1, Trip::DeviceRefused),
-        (Step::Fails(Disconnected), 1, 1, Trip::DeviceLost),
+        (Step::At([f64::NAN; 3]), 5, 1, SafetyStop::NotANumber),
+        (Step::At([f64::INFINITY; 3]), 5, 1, SafetyStop::NotANumber),
+        (Step::Stale, 5, 2, SafetyStop::StaleSample),
+        (Step::Fails(NothingNew), 5, 2, SafetyStop::StaleSample),
+        (Step::At([0.02, 0.0, -1e-3]), 5, 1, SafetyStop::TooFast),
+        (
+            Step::At([0.06, 0.0, -1e-3]),
+            5,
+            1,
+            SafetyStop::OutsideWorkspace,
+        ),
+        (Step::Fails(Refused), 5, 1, SafetyStop::DeviceRefused),
+        (Step::Fails(Disconnected), 1, 1, SafetyStop::DeviceLost),
         (
             Step::RefusesForce([0.0, 0.0, -1e-3]),
             5,
             1,
-            Trip::DeviceRefused,
+            SafetyStop::DeviceRefused,
         ),
     ];
     for at_fault in [0, 1] {
-        for (fault, times, periods, trip) in faults {
+        for (fault, times, periods, safety_stop) in faults {
             let case = format!("device {at_fault}, {fault:?}");
             let mut script = touching(1.0, 20);
             script.extend(vec![fault; times]);
@@ -290,34 +298,42 @@ fn a_fault_of_one_device_takes_the_force_off_both_and_is_named() {
                 assert!(is_off || written(&control) == [1.0; 2], "{case}");
             }
             assert_eq!(until_none, periods, "{case}");
-            assert_eq!(control.tripped_device(), Some((at_fault, trip)), "{case}");
+            assert_eq!(
+                control.stopped_device(),
+                Some((at_fault, safety_stop)),
+                "{case}"
+            );
             let said = control.device_ticks();
             for (number, device) in said.iter().enumerate() {
-                let has_tripped = device.flags.has(Flags::SAFETY_TRIPPED);
-                assert_eq!(has_tripped, number == at_fault, "{case}");
+                let has_stopped = device.flags.has(Flags::SAFETY_STOPPED);
+                assert_eq!(has_stopped, number == at_fault, "{case}");
                 assert_eq!(device.delivered_force, [0.0; 3], "{case}");
             }
-            let told = notes(&mut listener);
-            let tripped: Vec<_> = told
+            let messages = notes(&mut listener);
+            let stopped: Vec<_> = messages
                 .iter()
-                .filter(|noted| matches!(noted.note, Note::Tripped(_)))
+                .filter(|noted| matches!(noted.note, Note::Stopped(_)))
                 .collect();
-            assert_eq!(tripped.len(), 1, "{case}: {told:?}");
+            assert_eq!(stopped.len(), 1, "{case}: {messages:?}");
             let number = u32::try_from(at_fault).unwrap();
-            assert_eq!(tripped[0].device, Some(number), "{case}");
-            let text = tripped[0].event_of(listener.device_names()).text;
+            assert_eq!(stopped[0].device, Some(number), "{case}");
+            let text = stopped[0].event_of(listener.device_names()).text;
             let name = ["left", "right"][at_fault];
             assert_eq!(
                 text,
-                format!("device `{name}`: {trip}; no device has a force")
+                format!("device `{name}`: {safety_stop}; no device has a force")
             );
             // The force returns gradually on both, or stays off on both until the safety is rearmed.
-            let still_there = if trip == Trip::TooFast { 0 } else { times - 1 };
+            let still_there = if safety_stop == SafetyStop::TooFast {
+                0
+            } else {
+                times - 1
+            };
             for _ in 0..still_there.saturating_sub(periods - 1) {
                 control.tick();
                 assert_eq!(written(&control), [0.0; 2], "{case}");
             }
-            if !trip.is_passing() {
+            if !safety_stop.is_passing() {
                 for _ in 0..300 {
                     control.tick();
                 }
@@ -334,7 +350,7 @@ fn a_fault_of_one_device_takes_the_force_off_both_and_is_named() {
                 }
                 last = now;
             }
-            assert_eq!((last, control.trip()), ([1.0; 2], None), "{case}");
+            assert_eq!((last, control.safety_stop()), ([1.0; 2], None), "{case}");
         }
     }
 }
@@ -360,8 +376,8 @@ fn devices_whose_samples_are_missing_by_turns_hold_no_force() {
         assert_eq!(written(&control), [0.0; 2]);
     }
     assert!(matches!(
-        control.tripped_device(),
-        Some((_, Trip::StaleSample))
+        control.stopped_device(),
+        Some((_, SafetyStop::StaleSample))
     ));
 }
 
@@ -381,7 +397,7 @@ fn one_missing_sample_of_one_device_is_bridged() {
         let tick = control.tick().tick;
         assert!((tick.period - 2e-3).abs() < 1e-12, "{} s", tick.period);
         assert_eq!(written(&control), [1.0; 2]);
-        assert_eq!(control.trip(), None);
+        assert_eq!(control.safety_stop(), None);
     }
 }
 
@@ -389,7 +405,7 @@ fn one_missing_sample_of_one_device_is_bridged() {
 fn the_supervisor_and_each_guardian_cut_all() {
     let (mut control, clock) = scripted([touching(1.0, 20), touching(1.0, 20)], [limits(); 2]);
     let zeroed: Vec<_> = control.devices().map(|d| d.times_zeroed()).collect();
-    let guardians: Vec<_> = control.devices().map(|d| d.guardian()).collect();
+    let watchdogs: Vec<_> = control.devices().map(|d| d.watchdog()).collect();
     let mut supervisor = control.supervisor().unwrap();
     for _ in 0..20 {
         control.tick();
@@ -401,22 +417,22 @@ fn the_supervisor_and_each_guardian_cut_all() {
     assert_eq!(counts.collect::<Vec<_>>(), [1, 1]);
     control.tick();
     assert_eq!(written(&control), [0.0; 2]);
-    assert_eq!(control.trip(), Some(Trip::Stalled));
+    assert_eq!(control.safety_stop(), Some(SafetyStop::Stalled));
     for _ in 0..300 {
         control.tick();
     }
-    assert_eq!((written(&control), control.trip()), ([1.0; 2], None));
+    assert_eq!((written(&control), control.safety_stop()), ([1.0; 2], None));
     // The watchdog of one device removed its force during the stall.
-    for guardian in guardians {
+    for watchdog in watchdogs {
         clock.oversleep_once(Duration::from_millis(5));
-        guardian.store(true, Ordering::SeqCst);
+        watchdog.store(true, Ordering::SeqCst);
         control.tick();
         assert_eq!(written(&control), [0.0; 2]);
-        assert_eq!(control.trip(), Some(Trip::Stalled));
+        assert_eq!(control.safety_stop(), Some(SafetyStop::Stalled));
         for _ in 0..300 {
             control.tick();
         }
-        assert_eq!((written(&control), control.trip()), ([1.0; 2], None));
+        assert_eq!((written(&control), control.safety_stop()), ([1.0; 2], None));
     }
 }
 
@@ -440,22 +456,22 @@ fn created_energy_of_the_world_trips_once_for_all() {
     let mut control = control.tapped(tap);
     for _ in 0..1000 {
         control.tick();
-        if control.trip() == Some(Trip::Oscillation) {
+        if control.safety_stop() == Some(SafetyStop::Oscillation) {
             break;
         }
     }
-    assert_eq!(control.trip(), Some(Trip::Oscillation));
+    assert_eq!(control.safety_stop(), Some(SafetyStop::Oscillation));
     let said = control.device_ticks().iter();
     assert!(
         said.clone()
             .all(|device| device.delivered_force == [0.0; 3])
     );
-    let told = notes(&mut listener);
-    let oscillated: Vec<_> = told
+    let messages = notes(&mut listener);
+    let oscillated: Vec<_> = messages
         .iter()
         .filter(|noted| matches!(noted.note, Note::Oscillated { .. }))
         .collect();
-    assert_eq!(oscillated.len(), 1, "{told:?}");
+    assert_eq!(oscillated.len(), 1, "{messages:?}");
     // The event concerns the world and no device.
     assert_eq!(oscillated[0].device, None);
 }
@@ -486,7 +502,7 @@ fn a_listener_hears_of_each_device() {
     for _ in 0..20 {
         control.tick();
     }
-    let Some(Told::Tick(tick, _, _, devices)) = listener.by_ref().last() else {
+    let Some(Message::Tick(tick, _, _, devices)) = listener.by_ref().last() else {
         panic!("the last thing told is a tick");
     };
     assert_eq!(tick.sequence, 19);

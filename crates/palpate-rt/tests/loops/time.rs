@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use palpate_device::clock::{Clock, SteppedClock};
 use palpate_device::{Capabilities, Device, DeviceError, NullDevice, Pose, Wrench};
-use palpate_rt::safety::Trip;
-use palpate_rt::{ControlLoop, Ending, Note, StopFlag, Told, tap};
+use palpate_rt::safety::SafetyStop;
+use palpate_rt::{ControlLoop, Ending, Message, Note, StopFlag, tap};
 use palpate_scene::method::MethodName;
 
 use crate::{at, scene, scripted, wide};
@@ -74,20 +74,20 @@ fn a_time_stamp_far_ahead_is_no_sample_and_mutes_nothing() {
                 .collect();
             assert_eq!(forces[0], -2.0, "{ahead:?}: one is bridged");
             assert!(forces[1..].iter().all(|force| *force == 0.0), "{forces:?}");
-            let stale = (times > 1).then_some(Trip::StaleSample);
-            assert_eq!(control.trip(), stale, "{ahead:?}");
+            let stale = (times > 1).then_some(SafetyStop::StaleSample);
+            assert_eq!(control.safety_stop(), stale, "{ahead:?}");
             // The next valid sample counts, and the elapsed time is counted from the last valid one.
             let next = control.tick();
             assert_eq!(next.contact.force_on_device, -2.0, "{ahead:?}");
             let periods = next.tick.period / control.period().as_secs_f64();
             assert!((periods - (times as f64 + 1.0)).abs() < 1e-6, "{periods}");
             let said = listener
-                .filter(|told| {
-                    matches!(told, Told::Note(noted)
+                .filter(|messages| {
+                    matches!(messages, Message::Note(noted)
                         if matches!(noted.note, Note::Device(error) if error.what.contains("ahead")))
                 })
                 .count();
-            assert_eq!(said, times.min(2), "until it has tripped");
+            assert_eq!(said, times.min(2), "until it has stopped");
         }
     }
 }

@@ -4,7 +4,7 @@ use palpate_device::Vector;
 use palpate_device::clock::SteppedClock;
 use palpate_record::recording::Row;
 use palpate_rt::{
-    ChangingWorld, ControlLoop, RenderedWorld, Told, WorldChangeError, WorldFrame, Worlds,
+    ChangingWorld, ControlLoop, Message, RenderedWorld, WorldChangeError, WorldFrame, Worlds,
     changing_world, tap,
 };
 use palpate_scene::world::{WorldFile, WorldScene};
@@ -142,9 +142,9 @@ fn another_stiffness_comes_in_a_tenth_of_a_second_and_is_told() {
     }
     let notes: Vec<_> = listener
         .by_ref()
-        .filter_map(|told| match told {
-            Told::Note(noted) => Some(noted.event()),
-            Told::Tick(..) => None,
+        .filter_map(|messages| match messages {
+            Message::Note(noted) => Some(noted.event()),
+            Message::Tick(..) => None,
         })
         .collect();
     let [event] = &notes[..] else {

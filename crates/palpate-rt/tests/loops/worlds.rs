@@ -5,8 +5,10 @@ use std::path::Path;
 use palpate_device::clock::SteppedClock;
 use palpate_device::{Device, ScriptedDevice, Step, Vector};
 use palpate_record::recording::Flags;
-use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
-use palpate_rt::{ControlLoop, RenderedWorld, SetupError, Told, Turns, WorldAxis, WorldFrame, tap};
+use palpate_rt::safety::{OscillationParams, SafetyParams, SafetyStop};
+use palpate_rt::{
+    ControlLoop, Message, RenderedWorld, SetupError, Turns, WorldAxis, WorldFrame, tap,
+};
 use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
 use palpate_sim::device::SpatialDevice;
 use palpate_sim::world::WorldBench;
@@ -174,13 +176,13 @@ fn a_force_comes_in_softly_and_every_trip_takes_it_off() {
         },
         ..SafetyParams::default()
     };
-    for (fault, trip, comes_back) in [
-        (nan, Trip::NotANumber, true),
-        (far, Trip::OutsideWorkspace, false),
-        (Step::Stale, Trip::StaleSample, true),
+    for (fault, safety_stop, comes_back) in [
+        (nan, SafetyStop::NotANumber, true),
+        (far, SafetyStop::OutsideWorkspace, false),
+        (Step::Stale, SafetyStop::StaleSample, true),
         (
             Step::Fails(palpate_device::DeviceErrorKind::Refused),
-            Trip::DeviceRefused,
+            SafetyStop::DeviceRefused,
             false,
         ),
     ] {
@@ -197,15 +199,15 @@ fn a_force_comes_in_softly_and_every_trip_takes_it_off() {
         control.tick();
         for _ in 0..3 {
             let tick = control.tick().tick;
-            assert_eq!(tick.delivered_force, [0.0; 3], "{trip}");
-            assert_eq!(control.trip(), Some(trip));
+            assert_eq!(tick.delivered_force, [0.0; 3], "{safety_stop}");
+            assert_eq!(control.safety_stop(), Some(safety_stop));
         }
         for _ in 0..400 {
             control.tick();
         }
         let last = length(control.tick().tick.commanded_force);
         let expected = if comes_back { 2.0 } else { 0.0 };
-        assert!((last - expected).abs() < 1e-9, "{trip}: {last} N");
+        assert!((last - expected).abs() < 1e-9, "{safety_stop}: {last} N");
     }
 }
 
@@ -235,8 +237,8 @@ fn a_tick_tells_its_contacts_and_the_bodies_that_move() {
         "{}",
         row.tick.contacts
     );
-    assert_eq!(row.tick.bodies, 2, "the block, and the tool's avatar");
-    let Some(Told::Tick(tick, contacts, bodies, _)) = listener.by_ref().last() else {
+    assert_eq!(row.tick.bodies, 2, "the block, and the tool's proxy");
+    let Some(Message::Tick(tick, contacts, bodies, _)) = listener.by_ref().last() else {
         panic!("the last thing told is a tick");
     };
     assert_eq!(tick.sequence, 99);
@@ -268,19 +270,19 @@ fn forces_that_create_energy_trip_and_exact_ones_do_not() {
         for _ in 0..750 {
             let tick = control.tick().tick;
             most = most.max(tick.created_energy);
-            if control.trip().is_some() {
+            if control.safety_stop().is_some() {
                 break;
             }
         }
         println!("{method}: created up to {:.2} mJ", 1e3 * most);
-        (control.trip(), most)
+        (control.safety_stop(), most)
     };
-    let (trip, created) = runs("coupled");
-    assert_eq!(trip, None);
+    let (safety_stop, created) = runs("coupled");
+    assert_eq!(safety_stop, None);
     assert!(created < 0.05, "{created} J");
     let (_, by_basic) = runs("basic");
     assert!(by_basic > 4.0 * created.max(1e-4), "{by_basic} J");
-    let _ = Trip::Oscillation;
+    let _ = SafetyStop::Oscillation;
 }
 
 #[test]

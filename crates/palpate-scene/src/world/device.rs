@@ -1,7 +1,7 @@
 //! Devices as a file gives them.
 
 use palpate::Range;
-use palpate_world::{NOT_TURNED, Quaternion, Tool, Vector, WorldField, WorldPart};
+use palpate_world::{IDENTITY, Quaternion, Tool, Vector, WorldField, WorldPart};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -42,7 +42,7 @@ pub(super) struct RawDevice {
 
 /// Largest component of a vector outside the axes of its device, relative to its largest component: decimal fractions
 /// are rounded.
-const MOST_BEYOND: f64 = 1e-6;
+const MAX_BEYOND: f64 = 1e-6;
 
 impl Reading {
     pub(super) fn device(&mut self, index: usize, raw: Spanned<RawDevice>) -> (Tool, WorldDevice) {
@@ -181,7 +181,7 @@ impl Reading {
                 .iter()
                 .chain(&held)
                 .fold(0.0, |most: f64, part| most.max(part.abs()));
-            if off > MOST_BEYOND * size {
+            if off > MAX_BEYOND * size {
                 let message = format!(
                     "{key} has a part of {off} along an axis that the device lacks by its `axes`: its mechanism holds it there; \
                      write what lies along its axes only"
@@ -272,7 +272,7 @@ impl Reading {
         let stiffness = at_least_0("hand_rotational_stiffness_n_m_per_rad", stiffness);
         let damping = at_least_0("hand_rotational_damping_n_m_s_per_rad", damping);
         let quantum = at_least_0("quantum_rad", quantum);
-        let orientation = self.orientation("orientation", orientation, NOT_TURNED);
+        let orientation = self.orientation("orientation", orientation, IDENTITY);
         Some(DeviceTurning {
             inertia: inertia.into_inner(),
             orientation,

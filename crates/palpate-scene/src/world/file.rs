@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use palpate::Range;
 use palpate_world::{
-    Body, Contact, Free, Motion, NOT_TURNED, Quaternion, Shape, Vector, World, WorldField as Field,
+    Body, Contact, Free, IDENTITY, Motion, Quaternion, Shape, Vector, World, WorldField as Field,
     WorldGuard, WorldPart,
 };
 use serde::Deserialize;
@@ -48,7 +48,7 @@ struct RawFile {
     #[serde(default)]
     render: RawRender,
     #[serde(default)]
-    told: RawTold,
+    model: RawModel,
     #[serde(default)]
     measure: RawMeasure,
 }
@@ -98,7 +98,7 @@ struct RawRender {
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-struct RawTold {
+struct RawModel {
     delay_s: Option<Spanned<f64>>,
     lag_s: Option<Spanned<f64>>,
     gain: Option<Spanned<f64>>,
@@ -125,7 +125,7 @@ impl WorldFile {
     /// Whether the text of a file has the key `format`, and so is a world, of whatever format; `false` too where it is
     /// no TOML. A scene of one contact has `scene_format`.
     #[must_use]
-    pub fn is_one(source: &str) -> bool {
+    pub fn is_world_file(source: &str) -> bool {
         DeTable::parse(source).is_ok_and(|table| {
             let has = |key: &str| table.get_ref().keys().any(|name| name.get_ref() == key);
             has("format") && !has("scene_format")
@@ -239,9 +239,9 @@ impl Reading {
         let question = period_question("loop.period_s", "period_s = 0.001", period);
         self.notes.extend(question);
         let timed = [
-            &raw.told.delay_s,
-            &raw.told.lag_s,
-            &raw.told.gain,
+            &raw.model.delay_s,
+            &raw.model.lag_s,
+            &raw.model.gain,
             &raw.r#loop.delay_s,
             &raw.r#loop.lag_s,
             &raw.r#loop.gain,
@@ -305,7 +305,7 @@ impl Reading {
                 self.fault(span, error.to_string());
             }
         }
-        let render = self.render(raw.render, raw.told, &devices, actuator);
+        let render = self.render(raw.render, raw.model, &devices, actuator);
         let duration = raw.measure.duration_s;
         WorldScene {
             title: raw.title,
@@ -338,7 +338,7 @@ impl Reading {
     fn render(
         &mut self,
         raw: RawRender,
-        told: RawTold,
+        model: RawModel,
         devices: &[WorldDevice],
         actuator: WorldActuator,
     ) -> WorldRender {
@@ -351,23 +351,23 @@ impl Reading {
                 .take(WorldPart::Method, Field::Damping, damping.clone());
         }
         // Values along the axes of each device.
-        let told_mass = raw.device_mass_kg.as_ref();
+        let model_mass = raw.device_mass_kg.as_ref();
         let mut masses: Vec<_> = devices.iter().map(|device| device.mass).collect();
         for (number, mass) in masses.iter_mut().enumerate() {
-            if let Some(told) = told_mass {
+            if let Some(model) = model_mass {
                 let axes = self
                     .has_its_axes(number)
                     .then_some(mass.map(f64::is_finite));
                 *mass = self.per_axis(
                     "device_mass_kg",
-                    told,
+                    model,
                     Range::Positive,
                     (axes, f64::INFINITY),
                 );
             }
         }
         if let Some(factor) = raw.device_mass_factor {
-            if told_mass.is_some() {
+            if model_mass.is_some() {
                 let message = "the renderer is told either device_mass_kg or device_mass_factor";
                 self.fault(factor.span(), message);
             }
@@ -376,7 +376,7 @@ impl Reading {
                 *mass *= factor;
             }
         }
-        let told_inertia = raw.device_inertia_kg_m2.map(|inertia| {
+        let model_inertia = raw.device_inertia_kg_m2.map(|inertia| {
             self.places
                 .take(WorldPart::Method, Field::DeviceInertia, inertia.clone());
             let key = "device_inertia_kg_m2";
@@ -385,7 +385,7 @@ impl Reading {
         });
         let inertia = devices.iter().map(|device| {
             let turning = device.turning.as_ref();
-            turning.map(|turning| told_inertia.unwrap_or(turning.inertia))
+            turning.map(|turning| model_inertia.unwrap_or(turning.inertia))
         });
         WorldRender {
             method: raw.method.map_or_else(
@@ -425,7 +425,7 @@ impl Reading {
                     .coupling_inertia_kg_m2
                     .map(|value| self.number("coupling_inertia_kg_m2", value, Range::Positive)),
             },
-            actuator: self.actuator([told.delay_s, told.lag_s, told.gain], actuator),
+            actuator: self.actuator([model.delay_s, model.lag_s, model.gain], actuator),
             guard: raw.guard.map_or(WorldGuard::Off, |guard| self.guard(guard)),
         }
     }
@@ -540,7 +540,7 @@ impl Reading {
                 Motion::Fixed
             }
         };
-        let orientation = raw.orientation.map_or(NOT_TURNED, |orientation| {
+        let orientation = raw.orientation.map_or(IDENTITY, |orientation| {
             let orientation = self.places.take(place, Field::Orientation, orientation);
             unit(orientation)
         });

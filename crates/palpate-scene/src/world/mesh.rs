@@ -13,7 +13,7 @@ use super::mesh_contact::{RawDistanceGrid, RawShell};
 use super::{obj, stl};
 
 /// Most squares along an edge of the cube of a bumpy sphere: more have more triangles than a mesh may have.
-const MOST_CELLS: u32 = 288;
+const MAX_CELLS: u32 = 288;
 
 /// Keys of a mesh: one of `file`, `vertices_m` with `faces`, `bumpy_sphere` and `revolved`, and its representation for
 /// contacts with shapes other than spheres.
@@ -243,7 +243,7 @@ impl RawHull {
                 "points that are up to {:.3} mm outside were left out, since more corners than {} would be needed; give within_m \
                  for others",
                 1e3 * left_out,
-                Hull::MOST_CORNERS
+                Hull::MAX_CORNERS
             ));
         }
         let note = match file {
@@ -273,12 +273,12 @@ struct RawPrism {
 impl RawPrism {
     /// Its corners, all at the radius from the z axis; the first two have y = 0.
     fn corners(self) -> Result<Vec<Vector>, String> {
-        let most = Hull::MOST_CORNERS / 2;
+        let most = Hull::MAX_CORNERS / 2;
         if self.sides < 3 || self.sides as usize > most {
             return Err(format!(
                 "sides is {}, and a prism has 3 to {most}: a hull has at most {} corners",
                 self.sides,
-                Hull::MOST_CORNERS
+                Hull::MAX_CORNERS
             ));
         }
         for (key, length) in [("radius_m", self.radius_m), ("length_m", self.length_m)] {
@@ -333,8 +333,8 @@ impl RawBumpySphere {
                 "height_m is {height_m}, and has to be at least 0 and below the radius"
             ));
         }
-        if !(1..=MOST_CELLS).contains(&cells) {
-            return Err(format!("cells is {cells}, and has to be 1 to {MOST_CELLS}"));
+        if !(1..=MAX_CELLS).contains(&cells) {
+            return Err(format!("cells is {cells}, and has to be 1 to {MAX_CELLS}"));
         }
         Ok(gallery::bumpy_sphere(radius_m, height_m, waves, cells))
     }
@@ -353,11 +353,11 @@ impl RawRevolved {
             .sum();
         let rings = self.profile_m.len() as f64 + length / longest;
         let triangles = 2.0 * rings * f64::from(self.segments);
-        if triangles > Mesh::MOST_TRIANGLES as f64 || triangles.is_nan() {
+        if triangles > Mesh::MAX_TRIANGLES as f64 || triangles.is_nan() {
             return Err(format!(
                 "the profile makes about {triangles:.0} triangles, and at most {} are taken; give fewer segments or a \
                  larger longest_m",
-                Mesh::MOST_TRIANGLES
+                Mesh::MAX_TRIANGLES
             ));
         }
         gallery::revolved(&self.profile_m, self.segments, longest).ok_or_else(|| {

@@ -170,8 +170,8 @@ impl WorldScene {
             tool.axes[axis] = false;
             device.mass[axis] = f64::INFINITY;
             device.velocity[of_world] = 0.0;
-            if let Some(told) = self.render.device_mass.get_mut(number) {
-                told[axis] = f64::INFINITY;
+            if let Some(model) = self.render.device_mass.get_mut(number) {
+                model[axis] = f64::INFINITY;
             }
         }
         self
@@ -179,7 +179,7 @@ impl WorldScene {
 
     /// Returns the renderer's model of the loop.
     #[must_use]
-    pub fn in_loop(&self) -> WorldLoop {
+    pub fn loop_params(&self) -> WorldLoop {
         let WorldActuator { delay, lag, gain } = self.render.actuator;
         let actuation = Actuation {
             delay,
@@ -187,10 +187,10 @@ impl WorldScene {
             gain,
             ..Actuation::default()
         };
-        let in_loop = WorldLoop::new(self.timing.period).with_actuation(actuation);
+        let loop_params = WorldLoop::new(self.timing.period).with_actuation(actuation);
         let each =
             |limit: Option<f64>| limit.map_or(Vec::new(), |limit| vec![limit; self.devices.len()]);
-        in_loop
+        loop_params
             .with_force_limits(each(self.render.force_limit))
             .with_torque_limits(each(self.render.torque_limit))
             .with_guard(self.render.guard)
@@ -245,7 +245,7 @@ impl WorldScene {
     /// All errors of the method, and of the world for this method: at least one.
     pub fn renderer(&self, method: &str) -> Result<WorldRenderer, Vec<WorldError>> {
         let method = self.method(method).map_err(|fault| vec![fault])?;
-        WorldRenderer::new(&self.world, self.in_loop(), method)
+        WorldRenderer::new(&self.world, self.loop_params(), method)
     }
 }
 

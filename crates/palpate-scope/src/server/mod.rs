@@ -38,7 +38,7 @@ type Body = Full<Bytes>;
 pub const DEFAULT_ADDRESS: SocketAddr =
     SocketAddr::V4(SocketAddrV4::new(Ipv4Addr::LOCALHOST, 7777));
 /// Most clients.
-const MOST_CLIENTS: usize = 64;
+const MAX_CLIENTS: usize = 64;
 /// Bytes that wait for a client outside this program: half a second of samples. More would be old.
 const SEND_BUFFER: u32 = 64 << 10;
 /// Connections that wait to be accepted.
@@ -346,7 +346,7 @@ struct ClientSlot(Arc<Served>);
 
 impl ClientSlot {
     fn take(served: &Arc<Served>) -> Option<Self> {
-        let one_more = |taken| (taken < MOST_CLIENTS).then_some(taken + 1);
+        let one_more = |taken| (taken < MAX_CLIENTS).then_some(taken + 1);
         served
             .clients
             .fetch_update(Ordering::AcqRel, Ordering::Acquire, one_more)

@@ -43,10 +43,10 @@ impl<End: Send + 'static> Session<End> {
         let hub = Arc::new(Hub::default());
         let running = begin(Arc::clone(&hub), stop.clone())?;
         let answers = running.answers();
-        let told = stop.clone();
+        let model = stop.clone();
         let thread = Builder::new()
             .name("palpate scope".to_owned())
-            .spawn(move || take_turns(running, &incoming, &told))
+            .spawn(move || take_turns(running, &incoming, &model))
             .map_err(|error| format!("no thread for the scope: {error}"))?;
         Ok(Self {
             thread: Some(thread),

@@ -7,10 +7,10 @@ use palpate_device::Capabilities;
 use palpate_device::clock::MonotonicClock;
 use palpate_record::recording::{ContactTick, Flags, Row, Tick};
 use palpate_rt::realtime::{Answer, Request};
-use palpate_rt::safety::{SafetyParams, Trip};
+use palpate_rt::safety::{SafetyParams, SafetyStop};
 use palpate_rt::{
-    Account, ControlLoop, Durations, Listener, LoopEnd, LoopThread, Note, Noted, Rendering,
-    StopFlag, Told, tap,
+    Account, ControlLoop, Durations, Listener, LoopEnd, LoopEvent, LoopThread, Message, Note,
+    Rendering, StopFlag, tap,
 };
 use palpate_scene::method::MethodName;
 
@@ -24,7 +24,7 @@ use crate::rows::Rows;
 const ROOM: usize = 1 << 14;
 
 /// Number of past methods that a rendering stores.
-const MOST_CHOSEN: usize = 16;
+const MAX_CHOSEN: usize = 16;
 
 /// End of a rendering's loop.
 pub type Ended = LoopEnd<Carried, MonotonicClock>;
@@ -41,7 +41,7 @@ pub struct Lane {
     recorded: Option<PathBuf>,
     heard: ClientMessage,
     statistics: Statistics,
-    trip: Option<Tripped>,
+    safety_stop: Option<Stopped>,
     /// Selected methods, the newest last.
     chosen: Vec<MethodName>,
     account: Account,
@@ -52,7 +52,7 @@ pub struct Lane {
 
 /// Cause of a zero force.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Tripped {
+pub struct Stopped {
     /// The reason.
     pub why: String,
     /// The method whose held forces are the reason, if it is a method's.
@@ -126,7 +126,7 @@ impl Lane {
             recorded: None,
             heard: ClientMessage::default(),
             statistics: Statistics::default(),
-            trip: None,
+            safety_stop: None,
             chosen: vec![method],
             account: Account::default(),
             capabilities,
@@ -136,12 +136,12 @@ impl Lane {
 
     /// Processes all messages of the loop and passes its events to `note`. Returns whether the loop has ended since the
     /// last call.
-    pub fn listen(&mut self, mut note: impl FnMut(&Noted)) -> bool {
+    pub fn listen(&mut self, mut note: impl FnMut(&LoopEvent)) -> bool {
         let has_ended = self.thread.as_ref().is_some_and(LoopThread::has_ended);
-        while let Some(told) = self.listener.next() {
-            match told {
-                Told::Tick(tick, contacts, _, _) => self.tick(&tick, &contacts),
-                Told::Note(noted) => {
+        while let Some(messages) = self.listener.next() {
+            match messages {
+                Message::Tick(tick, contacts, _, _) => self.tick(&tick, &contacts),
+                Message::Note(noted) => {
                     self.noted(&noted);
                     note(&noted);
                 }
@@ -165,8 +165,8 @@ impl Lane {
         if let Ok(took) = duration(tick.tick_duration) {
             statistics.tick.add(took);
         }
-        if !tick.flags.has(Flags::SAFETY_TRIPPED) {
-            self.trip = None;
+        if !tick.flags.has(Flags::SAFETY_STOPPED) {
+            self.safety_stop = None;
         }
         self.account.tick(tick, contacts);
         // The page draws the first contact.
@@ -178,17 +178,17 @@ impl Lane {
         }
     }
 
-    fn noted(&mut self, noted: &Noted) {
+    fn noted(&mut self, noted: &LoopEvent) {
         match noted.note {
-            Note::Tripped(trip) => {
-                self.trip = Some(Tripped {
-                    why: trip.to_string(),
+            Note::Stopped(safety_stop) => {
+                self.safety_stop = Some(Stopped {
+                    why: safety_stop.to_string(),
                     method: None,
                 });
             }
             Note::Oscillated { method, .. } => {
-                self.trip = Some(Tripped {
-                    why: Trip::Oscillation.to_string(),
+                self.safety_stop = Some(Stopped {
+                    why: SafetyStop::Oscillation.to_string(),
                     method: self.chosen_as(method),
                 });
             }
@@ -212,8 +212,8 @@ impl Lane {
     }
 
     /// Returns the cause of a zero force, if there is one.
-    pub fn trip(&self) -> Option<&Tripped> {
-        self.trip.as_ref()
+    pub fn safety_stop(&self) -> Option<&Stopped> {
+        self.safety_stop.as_ref()
     }
 
     /// Ends a trip that stays.
@@ -236,7 +236,7 @@ impl Lane {
         if self.chosen.last() != Some(&method) {
             self.chosen.push(method);
             // A page switches between a few.
-            let surplus = self.chosen.len().saturating_sub(MOST_CHOSEN);
+            let surplus = self.chosen.len().saturating_sub(MAX_CHOSEN);
             self.chosen.drain(..surplus);
         }
         Ok(())
@@ -328,12 +328,12 @@ impl Lane {
             supervisor_cuts: cuts,
             lateness_s: spread(&self.statistics.lateness),
             tick_s: spread(&self.statistics.tick),
-            untold: self.untold(),
+            unmodelled: self.unmodelled(),
         }
     }
 
     /// Returns the number of lost ticks; the most recent ones are known only after the loop has ended.
-    fn untold(&self) -> u64 {
+    fn unmodelled(&self) -> u64 {
         let made = self.end.as_ref().map_or(0, |end| end.statistics.ticks);
         self.heard.missing + made.saturating_sub(self.heard.next)
     }
@@ -344,7 +344,7 @@ impl Lane {
     }
 
     /// Waits for a loop that has been stopped, and processes all its messages.
-    pub fn finish(&mut self, note: impl FnMut(&Noted)) {
+    pub fn finish(&mut self, note: impl FnMut(&LoopEvent)) {
         if let Some(thread) = self.thread.take() {
             self.end = Some(thread.join());
         }

@@ -30,7 +30,7 @@ pub use handle::Session;
 pub use lane::Ended;
 use lane::Lane;
 use recording::Ending;
-pub use start::{Devices, Placed, Receipts, SessionError, Setup};
+pub use start::{Devices, MetadataOf, Placed, SessionError, Setup};
 pub(crate) use turns::Turns;
 
 /// Interval of messages about the position of a moving hand.
@@ -141,7 +141,7 @@ struct Running {
     is_state_due: bool,
     /// Client that moved the hand last.
     holder: Option<ClientId>,
-    hand_told: Instant,
+    hand_sent: Instant,
 }
 
 impl Turns for Running {
@@ -159,7 +159,7 @@ impl Turns for Running {
                     // Without a client the hand must release the device.
                     self.holder = None;
                     if let Some(hand) = &self.setup.hand {
-                        hand.let_go();
+                        hand.disable_output();
                     }
                 }
                 return;
@@ -200,13 +200,13 @@ impl Turns for Running {
     fn listen(&mut self) {
         let mut texts = Vec::new();
         let mut changed = false;
-        for ((index, lane), (pace, untold)) in
+        for ((index, lane), (pace, unmodelled)) in
             self.lanes.iter_mut().enumerate().zip(&mut self.notes)
         {
             let has_ended = lane.listen(|noted| {
                 // A client that causes many notes must not overload the queues of the others.
                 if !pace.take(Instant::now()) {
-                    *untold += 1;
+                    *unmodelled += 1;
                     return;
                 }
                 let event = noted.event();
@@ -235,7 +235,7 @@ impl Turns for Running {
         for text in texts {
             self.hub.tell_all(text);
         }
-        self.tell_untold();
+        self.send_pending();
         if changed {
             self.end_recordings_of_ended();
         }
@@ -286,18 +286,18 @@ impl Turns for Running {
 
 impl Running {
     /// Sends the number of suppressed notes of each rendering as soon as the rate limit permits.
-    fn tell_untold(&mut self) {
+    fn send_pending(&mut self) {
         for (index, lane) in self.lanes.iter().enumerate() {
-            let Some((pace, untold)) = self.notes.get_mut(index) else {
+            let Some((pace, unmodelled)) = self.notes.get_mut(index) else {
                 continue;
             };
-            if *untold > 0 && pace.take(Instant::now()) {
-                let text = format!("and {untold} more, which recordings have");
-                *untold = 0;
+            if *unmodelled > 0 && pace.take(Instant::now()) {
+                let text = format!("and {unmodelled} more, which recordings have");
+                *unmodelled = 0;
                 let note = ServerMessage::Note {
                     lane: index,
                     t_s: lane.time(),
-                    kind: "untold",
+                    kind: "unmodelled",
                     text: &text,
                 };
                 self.hub.tell_all(note.text());
@@ -315,7 +315,7 @@ impl Running {
         };
         match target {
             None => {
-                hand.let_go();
+                hand.disable_output();
                 self.holder = None;
             }
             Some(target) if target.abs() <= REACH => {
@@ -398,16 +398,18 @@ impl Running {
             mass_kg: self.settings.mass,
             virtual_force_n: self.settings.virtual_force,
             period_s: self.settings.period,
-            told: self.settings.told(&self.setup.scene),
+            model: self.settings.model(&self.setup.scene),
             lanes: lanes
                 .map(|(index, choice)| {
                     let lane = self.lanes.get(index);
-                    let trip = lane.and_then(Lane::trip);
+                    let safety_stop = lane.and_then(Lane::safety_stop);
                     LaneState {
                         choice: *choice,
                         running: lane.is_some_and(Lane::is_running),
-                        trip: trip.map(|trip| trip.why.clone()),
-                        trip_method: trip.and_then(|trip| trip.method).map(MethodName::name),
+                        safety_stop: safety_stop.map(|safety_stop| safety_stop.why.clone()),
+                        safety_stop_method: safety_stop
+                            .and_then(|safety_stop| safety_stop.method)
+                            .map(MethodName::name),
                     }
                 })
                 .collect(),
@@ -421,8 +423,8 @@ impl Running {
 
     /// Sends the state if it has changed. Positions of a moving hand are sent at a limited rate.
     fn tell_state(&mut self) {
-        if std::mem::take(&mut self.is_state_due) || self.hand_told.elapsed() >= HAND_EVERY {
-            self.hand_told = Instant::now();
+        if std::mem::take(&mut self.is_state_due) || self.hand_sent.elapsed() >= HAND_EVERY {
+            self.hand_sent = Instant::now();
             self.hub.set_state(self.state().text());
         }
     }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use palpate_files::atomic::WriteError;
-use palpate_record::recording::{ContactTick, Receipt, Tick};
-use palpate_rt::{Counted, Note, Noted, Recorder, Tap};
+use palpate_record::recording::{ContactTick, RecordingMetadata, Tick};
+use palpate_rt::{Counters, LoopEvent, Note, Recorder, Tap};
 
 use super::Written;
 
@@ -19,10 +19,10 @@ pub struct LaneRecording {
     generation: u32,
     first: Option<u64>,
     /// Newest change that took effect before the first tick and is not in the metadata.
-    changed: Option<Noted>,
+    changed: Option<LoopEvent>,
     /// Number of ticks since the first.
     known: u64,
-    told: u64,
+    messages: u64,
     /// Number of ticks that were dropped because the disk queue was full.
     dropped: u64,
 }
@@ -32,8 +32,12 @@ impl LaneRecording {
     ///
     /// # Errors
     /// The file exists or cannot be written, or the system cannot create a thread.
-    pub fn begin(path: PathBuf, receipt: &Receipt, generation: u32) -> Result<Self, WriteError> {
-        let (tap, recorder) = Recorder::begin(&path, receipt)?;
+    pub fn begin(
+        path: PathBuf,
+        metadata: &RecordingMetadata,
+        generation: u32,
+    ) -> Result<Self, WriteError> {
+        let (tap, recorder) = Recorder::begin(&path, metadata)?;
         Ok(Self {
             tap,
             recorder,
@@ -42,7 +46,7 @@ impl LaneRecording {
             first: None,
             changed: None,
             known: 0,
-            told: 0,
+            messages: 0,
             dropped: 0,
         })
     }
@@ -65,14 +69,14 @@ impl LaneRecording {
             None => *self.first.insert(tick.sequence),
         };
         if let Some(changed) = self.changed.take() {
-            self.note(&Noted {
+            self.note(&LoopEvent {
                 sequence: tick.sequence,
                 ..changed
             });
         }
         let sequence = tick.sequence - first;
         self.known = sequence + 1;
-        self.told += 1;
+        self.messages += 1;
         let lost = self.tap.lost();
         let renumbered = Tick {
             sequence,
@@ -84,7 +88,7 @@ impl LaneRecording {
     }
 
     /// Passes on something that happened.
-    pub fn note(&mut self, noted: &Noted) {
+    pub fn note(&mut self, noted: &LoopEvent) {
         if self.first.is_none()
             && let Note::Changed { generation, .. } = noted.note
             && generation > self.generation
@@ -107,7 +111,7 @@ impl LaneRecording {
             },
             other => other,
         };
-        self.tap.note(&Noted {
+        self.tap.note(&LoopEvent {
             sequence,
             note,
             ..*noted
@@ -121,13 +125,13 @@ impl LaneRecording {
 
     /// Ticks that were passed on.
     pub fn ticks(&self) -> u64 {
-        self.told
+        self.messages
     }
 
     /// Ticks that are missing, on the way here or to the disk, as far as is known: the loop may have
     /// made more since.
     pub fn lost(&self) -> u64 {
-        self.known - self.told + self.dropped
+        self.known - self.messages + self.dropped
     }
 
     /// Size of its file so far.
@@ -143,11 +147,11 @@ impl LaneRecording {
     }
 
     /// Ends the recording of a loop that has ended with these counters.
-    pub fn end_with_loop(mut self, counted: &Counted) -> Ending {
+    pub fn end_with_loop(mut self, counted: &Counters) -> Ending {
         if let Some(first) = self.first {
             let here = match first {
                 0 => *counted,
-                _ => Counted {
+                _ => Counters {
                     ticks: counted.ticks.saturating_sub(first),
                     ..self.tap.counted()
                 },
@@ -215,7 +219,8 @@ mod tests {
     fn a_recording_counts_from_its_own_beginning() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("middle.mcap");
-        let mut recording = LaneRecording::begin(path.clone(), &Receipt::new("test"), 3).unwrap();
+        let mut recording =
+            LaneRecording::begin(path.clone(), &RecordingMetadata::new("test"), 3).unwrap();
         for (sequence, generation) in [(10, 2), (11, 3), (12, 3), (14, 4)] {
             tell(
                 &mut recording,
@@ -245,7 +250,7 @@ mod tests {
     #[test]
     fn what_the_loop_counted_stands_in_its_recording() {
         let folder = tempfile::tempdir().unwrap();
-        let counted = Counted {
+        let counted = Counters {
             ticks: 12,
             notes: 1,
             lost: 6,
@@ -261,7 +266,7 @@ mod tests {
         {
             let path = folder.path().join(format!("{name}.mcap"));
             let mut recording =
-                LaneRecording::begin(path.clone(), &Receipt::new("test"), 0).unwrap();
+                LaneRecording::begin(path.clone(), &RecordingMetadata::new("test"), 0).unwrap();
             if from_the_start {
                 recording = recording.with_the_first_tick();
             }
@@ -301,9 +306,10 @@ mod tests {
         let rendering = scene.scene.rendering(scene.scene.method).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("changed.mcap");
-        let mut recording = LaneRecording::begin(path.clone(), &Receipt::new("test"), 3).unwrap();
+        let mut recording =
+            LaneRecording::begin(path.clone(), &RecordingMetadata::new("test"), 3).unwrap();
         for generation in [3, 4, 5] {
-            recording.note(&Noted {
+            recording.note(&LoopEvent {
                 sequence: 10,
                 time: 0.1,
                 device: None,

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use palpate::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device};
-use palpate_record::recording::Receipt;
+use palpate_record::recording::RecordingMetadata;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{SetupError, StopFlag};
@@ -30,7 +30,7 @@ pub trait Devices: Send {
     fn most_lanes(&self) -> usize;
 
     /// Returns whether a device continues at its position when its loop restarts; otherwise it is reopened.
-    fn go_on(&self) -> bool;
+    fn resume(&self) -> bool;
 
     /// Whether a device that is open can be in a loop of another period.
     fn any_period(&self) -> bool;
@@ -71,7 +71,8 @@ impl From<String> for SessionError {
 type Carried = (Option<f64>, Option<Placed>);
 
 /// Creates the metadata of a recording from the rendered scene and the device.
-pub type Receipts = Box<dyn Fn(&Scene, &Capabilities) -> Result<Receipt, String> + Send>;
+pub type MetadataOf =
+    Box<dyn Fn(&Scene, &Capabilities) -> Result<RecordingMetadata, String> + Send>;
 
 /// Parameters for starting a session.
 pub struct Setup {
@@ -91,8 +92,8 @@ pub struct Setup {
     pub limits: Box<dyn Fn(&Capabilities) -> SafetyParams + Send>,
     /// Duration of a loop in whole periods, including missed ones; `None`: until it is stopped.
     pub duration: Option<Duration>,
-    /// Receipts of recordings.
-    pub receipts: Receipts,
+    /// MetadataOf of recordings.
+    pub metadata: MetadataOf,
     /// Folder of recordings that clients request.
     pub folder: PathBuf,
     /// File of a recording that begins with the first tick, for a single rendering.
@@ -126,7 +127,7 @@ impl Running {
             states: Pace::new(STATES.0, STATES.1),
             is_state_due: false,
             holder: None,
-            hand_told: Instant::now(),
+            hand_sent: Instant::now(),
         }
     }
 
@@ -144,7 +145,7 @@ impl Running {
         for lane in self.lanes.drain(..) {
             carried.push((lane.position(), lane.into_device()));
         }
-        if !self.setup.devices.go_on() {
+        if !self.setup.devices.resume() {
             carried.clear();
         }
         self.runs = self.runs.wrapping_add(1);
@@ -175,7 +176,7 @@ impl Running {
     ) -> Result<(), SessionError> {
         self.stop_lanes = self.stop.below();
         let mut carried = carried.into_iter();
-        let at = at.filter(|_| self.setup.devices.go_on());
+        let at = at.filter(|_| self.setup.devices.resume());
         let mut renderings = self.settings.renderings(&self.setup.scene)?;
         let mut devices = Vec::new();
         for rendering in &mut renderings {
@@ -317,8 +318,8 @@ impl Running {
         let scene = self
             .settings
             .scene(&self.setup.scene, self.settings.lanes[lane]);
-        let receipt = (self.setup.receipts)(&scene, device)?;
-        LaneRecording::begin(path, &receipt, generation).map_err(|error| error.to_string())
+        let metadata = (self.setup.metadata)(&scene, device)?;
+        LaneRecording::begin(path, &metadata, generation).map_err(|error| error.to_string())
     }
 
     /// `live-001.mcap`, or the next number that nothing has.

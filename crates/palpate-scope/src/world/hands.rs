@@ -66,7 +66,7 @@ impl Hands {
             if led.holder == Some(client) {
                 led.holder = None;
                 if let Some(hand) = &led.hand {
-                    hand.let_go();
+                    hand.disable_output();
                 }
             }
         }
@@ -83,7 +83,7 @@ impl Hands {
         let hand = led.hand()?;
         led.holder = match place {
             None => {
-                hand.let_go();
+                hand.disable_output();
                 None
             }
             Some(place) => {

@@ -6,10 +6,10 @@ use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, Vector};
 use palpate_record::recording::{BodyTick, ContactTick, DeviceTick, Event, Flags, Tick};
 use palpate_rt::realtime::{Answer, Request};
-use palpate_rt::safety::Trip;
+use palpate_rt::safety::SafetyStop;
 use palpate_rt::{
-    Account, ControlLoop, Durations, Listener, LoopThread, Note, Noted, RenderedWorld, StopFlag,
-    Told, WorldFrame, tap,
+    Account, ControlLoop, Durations, Listener, LoopEvent, LoopThread, Message, Note, RenderedWorld,
+    StopFlag, WorldFrame, tap,
 };
 
 use super::{WorldEnded, WorldLane, WorldLaneEnd, shown};
@@ -42,7 +42,7 @@ pub struct Lane {
     newest: Option<Newest>,
     is_shown: bool,
     /// Cause of a zero force, for each device.
-    trips: Vec<Option<String>>,
+    safety_stops: Vec<Option<String>>,
     account: Account,
     ticks: u64,
     next: u64,
@@ -90,7 +90,7 @@ impl Lane {
             rows: Rows::with_further(period.as_secs_f64(), capabilities.len().saturating_sub(1)),
             newest: None,
             is_shown: true,
-            trips: vec![None; capabilities.len()],
+            safety_stops: vec![None; capabilities.len()],
             capabilities,
             account: Account::default(),
             ticks: 0,
@@ -106,20 +106,20 @@ impl Lane {
 
     /// Processes all messages of the loop and passes its events to `note`. Returns whether the loop has ended since the
     /// last call.
-    pub fn listen(&mut self, mut note: impl FnMut(&Noted, Event)) -> bool {
+    pub fn listen(&mut self, mut note: impl FnMut(&LoopEvent, Event)) -> bool {
         let has_ended = self.thread.as_ref().is_some_and(LoopThread::has_ended);
-        while let Some(told) = self.listener.next() {
-            match told {
-                Told::Tick(tick, contacts, bodies, devices) => self.take(Newest {
+        while let Some(messages) = self.listener.next() {
+            match messages {
+                Message::Tick(tick, contacts, bodies, devices) => self.take(Newest {
                     tick,
                     contacts,
                     bodies,
                     devices,
                 }),
-                Told::Note(noted) => {
+                Message::Note(noted) => {
                     match noted.note {
-                        Note::Tripped(trip) => self.tripped(&noted, trip),
-                        Note::Oscillated { .. } => self.tripped(&noted, Trip::Oscillation),
+                        Note::Stopped(safety_stop) => self.stopped(&noted, safety_stop),
+                        Note::Oscillated { .. } => self.stopped(&noted, SafetyStop::Oscillation),
                         Note::MissedDeadlines(number) => self.missed_deadlines += number,
                         _ => {}
                     }
@@ -136,15 +136,15 @@ impl Lane {
     }
 
     /// A device has tripped; the only one where none is named.
-    fn tripped(&mut self, noted: &Noted, trip: Trip) {
+    fn stopped(&mut self, noted: &LoopEvent, safety_stop: SafetyStop) {
         let device = noted.device.and_then(|device| usize::try_from(device).ok());
         let of = device.unwrap_or(0);
         let name = device.and_then(|_| self.listener.device_names().get(of));
         let text = match name {
-            Some(name) => format!("{name}: {trip}"),
-            None => trip.to_string(),
+            Some(name) => format!("{name}: {safety_stop}"),
+            None => safety_stop.to_string(),
         };
-        if let Some(own) = self.trips.get_mut(of) {
+        if let Some(own) = self.safety_stops.get_mut(of) {
             *own = Some(text);
         }
     }
@@ -162,12 +162,12 @@ impl Lane {
         if let Ok(took) = duration(tick.tick_duration) {
             self.tick.add(took);
         }
-        if !tick.flags.has(Flags::SAFETY_TRIPPED) {
-            self.trips.fill(None);
+        if !tick.flags.has(Flags::SAFETY_STOPPED) {
+            self.safety_stops.fill(None);
         }
-        for (device, trip) in newest.devices.iter().zip(&mut self.trips) {
-            if !device.flags.has(Flags::SAFETY_TRIPPED) {
-                *trip = None;
+        for (device, safety_stop) in newest.devices.iter().zip(&mut self.safety_stops) {
+            if !device.flags.has(Flags::SAFETY_STOPPED) {
+                *safety_stop = None;
             }
         }
         self.account.tick(tick, &newest.contacts);
@@ -217,9 +217,14 @@ impl Lane {
     }
 
     /// Returns the cause of a zero force, if there is one.
-    pub fn trip(&self) -> Option<String> {
-        let trips: Vec<&str> = self.trips.iter().flatten().map(String::as_str).collect();
-        (!trips.is_empty()).then(|| trips.join("; "))
+    pub fn safety_stop(&self) -> Option<String> {
+        let safety_stops: Vec<&str> = self
+            .safety_stops
+            .iter()
+            .flatten()
+            .map(String::as_str)
+            .collect();
+        (!safety_stops.is_empty()).then(|| safety_stops.join("; "))
     }
 
     /// Ends a trip that stays.
@@ -276,7 +281,7 @@ impl Lane {
             supervisor_cuts: cuts,
             lateness_s: spread(&self.lateness),
             tick_s: spread(&self.tick),
-            untold: self.missing + made.saturating_sub(self.next),
+            unmodelled: self.missing + made.saturating_sub(self.next),
         }
     }
 }

@@ -25,7 +25,7 @@ use hands::Hands;
 use lane::{Lane, Run};
 
 /// Most lanes: what the page has room for.
-pub const MOST_LANES: usize = 2;
+pub const MAX_LANES: usize = 2;
 /// Notes of all renderings: burst size, and rate per second.
 const NOTES: (f64, f64) = (32.0, 20.0);
 /// Restarts at once and then each second: more than any hand does.
@@ -98,7 +98,7 @@ impl Session<WorldSessionEnd> {
     /// There are no methods or more than two, a device does not open, a limit is outside its range.
     pub fn of_world(setup: WorldSetup, stop: &StopFlag) -> Result<Self, SessionError> {
         let methods = setup.methods.len();
-        if !(1..=MOST_LANES).contains(&methods) {
+        if !(1..=MAX_LANES).contains(&methods) {
             return Err(SessionError::Other(format!(
                 "{methods} methods; the page shows one, or two side by side"
             )));

@@ -113,8 +113,8 @@ pub fn state(scene: &WorldScene, lanes: &[Lane], hands: &Hands) -> String {
                 "method": lane.method,
                 "damping_n_s_per_m": null,
                 "running": lane.is_running(),
-                "trip": lane.trip(),
-                "trip_method": null,
+                "safety_stop": lane.safety_stop(),
+                "safety_stop_method": null,
             })
         })
         .collect();
@@ -134,7 +134,7 @@ pub fn state(scene: &WorldScene, lanes: &[Lane], hands: &Hands) -> String {
 
 /// Most triangles of a mesh that the page draws, of a larger one fewer and larger triangles: without a GPU more of them
 /// take most of its time.
-const MOST_TRIANGLES: usize = 20_000;
+const MAX_TRIANGLES: usize = 20_000;
 
 /// A shape as a scene file has it, and a mesh by triangles.
 fn shape(shape: &Shape) -> Value {
@@ -167,7 +167,7 @@ fn shape(shape: &Shape) -> Value {
 
 /// The corners of a mesh, one behind the other [m], and each triangle by the numbers of its corners.
 fn triangles(mesh: &Mesh) -> Value {
-    let (vertices, faces) = coarse(&mesh.vertices(), mesh.faces(), MOST_TRIANGLES);
+    let (vertices, faces) = coarse(&mesh.vertices(), mesh.faces(), MAX_TRIANGLES);
     let is_coarse = faces.len() < mesh.faces().len();
     json!({ "mesh": { "vertices_m": vertices, "faces": faces, "coarse": is_coarse } })
 }
@@ -248,14 +248,14 @@ mod tests {
     #[test]
     fn a_hull_is_told_by_the_triangles_of_its_surface() {
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]];
-        let told = shape(&Shape::Hull(Hull::around(&corners).unwrap().into()));
-        let numbers = told["mesh"]["vertices_m"].as_array().unwrap();
+        let messages = shape(&Shape::Hull(Hull::around(&corners).unwrap().into()));
+        let numbers = messages["mesh"]["vertices_m"].as_array().unwrap();
         let numbers: Vec<f64> = numbers.iter().map(|x| x.as_f64().unwrap()).collect();
         assert_eq!(numbers.len(), 12);
         for corner in corners {
             assert!(numbers.chunks(3).any(|place| place == corner), "{corner:?}");
         }
-        assert_eq!(told["mesh"]["faces"].as_array().unwrap().len(), 4);
+        assert_eq!(messages["mesh"]["faces"].as_array().unwrap().len(), 4);
     }
 
     #[test]
@@ -276,9 +276,9 @@ mod tests {
             ..Tick::default()
         };
         let forces = [[0.25, 0.5, 0.75], [-1.0, -2.0, -3.0]];
-        let told =
+        let messages =
             |forces: &[Vector]| frame((1, 7), &tick, (&[contact; 2], &[body]), forces).numbered(5);
-        let bytes = told(&forces[..1]);
+        let bytes = messages(&forces[..1]);
         let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
         let single = |at: usize| f32::from_bits(word(at));
         assert_eq!(bytes[..2], [2, 1]);
@@ -289,7 +289,7 @@ mod tests {
         assert_eq!(bytes.len(), 40 + 32 + 2 * 24);
         assert_eq!(bytes[2..4], [0, 0], "one device");
         // The force on a second device follows all data of the first.
-        let of_two = told(&forces);
+        let of_two = messages(&forces);
         assert_eq!(of_two[2..4], [1, 0]);
         assert_eq!(of_two[4..bytes.len()], bytes[4..]);
         let last = of_two[bytes.len()..].chunks(4);

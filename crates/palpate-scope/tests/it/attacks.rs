@@ -119,8 +119,8 @@ fn who_says_what_nobody_understands_is_sent_away_alone() {
         let mut client = stage.client();
         client.socket.send(message.clone()).unwrap();
         let goodbye = client.goodbye();
-        let (told, reason) = goodbye.unwrap_or_else(|| panic!("no goodbye for {code}"));
-        assert_eq!(told, code, "{reason}");
+        let (messages, reason) = goodbye.unwrap_or_else(|| panic!("no goodbye for {code}"));
+        assert_eq!(messages, code, "{reason}");
         assert!(!reason.is_empty());
     }
     // Exactly as long as a message may be.
@@ -141,8 +141,8 @@ fn ten_megabytes_are_not_taken() {
     let mut client = stage.client();
     // Whether it can be written to its end depends on when it is sent away.
     let _ = client.socket.send(Message::text("x".repeat(10 << 20)));
-    let told = client.goodbye().map(|(code, _)| code);
-    assert!(matches!(told, None | Some(1009)), "{told:?}");
+    let messages = client.goodbye().map(|(code, _)| code);
+    assert!(matches!(messages, None | Some(1009)), "{messages:?}");
     witness.until("status", |status| status["clients"] == 1);
     witness.is_well();
 }
@@ -254,17 +254,17 @@ fn a_client_that_stops_reading_slows_nobody_and_is_dropped() {
     let begun = Instant::now();
     loop {
         match witness.next() {
-            crate::common::Told::Samples(samples) => {
+            crate::common::Received::Samples(samples) => {
                 assert_eq!(samples.number, last + 1, "the witness missed a frame");
                 last = samples.number;
             }
-            crate::common::Told::Text(text) if text["type"] == "status" => {
-                assert_eq!(text["lanes"][0]["untold"], 0);
+            crate::common::Received::Text(text) if text["type"] == "status" => {
+                assert_eq!(text["lanes"][0]["unmodelled"], 0);
                 if text["clients"] == 1 {
                     break;
                 }
             }
-            crate::common::Told::Text(_) => {}
+            crate::common::Received::Text(_) => {}
         }
         assert!(begun.elapsed() < 2 * PATIENCE, "it is still there");
     }

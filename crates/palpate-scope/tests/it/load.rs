@@ -7,7 +7,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::common::{Play, Stage, Told, scene};
+use crate::common::{Play, Received, Stage, scene};
 use palpate_record::recording::{Entry, Recording};
 
 /// Clients that read, and one that does not.
@@ -35,7 +35,7 @@ fn eight_clients_and_a_recording_at_four_kilohertz_lose_nothing() {
                     let (mut frames, mut next) = (0_u32, None);
                     let begun = Instant::now();
                     while begun.elapsed() < duration {
-                        if let Told::Samples(samples) = client.next() {
+                        if let Received::Samples(samples) = client.next() {
                             let expected = next.unwrap_or(samples.number);
                             assert_eq!(samples.number, expected, "a frame was dropped");
                             next = Some(samples.number + 1);
@@ -58,7 +58,7 @@ fn eight_clients_and_a_recording_at_four_kilohertz_lose_nothing() {
         note["text"].as_str().unwrap().contains("is written")
     });
     let lane = &status["lanes"][0];
-    assert_eq!(lane["untold"], 0, "{lane}");
+    assert_eq!(lane["unmodelled"], 0, "{lane}");
     assert_eq!(status["recording"]["lost"], 0);
     let recording = Recording::open(&stage.folder.path().join("live-001.mcap")).unwrap();
     assert!(recording.is_whole());

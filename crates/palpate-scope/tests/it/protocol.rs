@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use crate::common::{Client, DEVICE, FORCE, Play, Samples, Stage, Told, scene, sent};
+use crate::common::{Client, DEVICE, FORCE, Play, Received, Samples, Stage, scene, sent};
 use palpate_record::recording::{Entry, Recording};
 use palpate_scene::method::MethodName;
 use serde_json::{Value, json};
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 fn a_client_is_greeted_and_told_the_state() {
     let stage = Stage::new(Play::default());
     let mut client = stage.client();
-    let Told::Text(hello) = client.next() else {
+    let Received::Text(hello) = client.next() else {
         panic!("samples came first")
     };
     assert_eq!(hello["type"], "hello");
@@ -20,8 +20,8 @@ fn a_client_is_greeted_and_told_the_state() {
     assert_eq!(hello["title"], "A light block on the device, 100 Hz");
     let columns = hello["columns"].as_array().unwrap();
     assert_eq!(columns.len(), sent().count());
-    for (told, column) in columns.iter().zip(sent()) {
-        assert_eq!(told["name"], column.name);
+    for (messages, column) in columns.iter().zip(sent()) {
+        assert_eq!(messages["name"], column.name);
     }
     let force = json!({"name": "force_on_device_n", "unit": "N"});
     let flags = json!({"name": "flags", "unit": ""});
@@ -38,7 +38,7 @@ fn a_client_is_greeted_and_told_the_state() {
         json!({"name": "pointer", "axes": 1, "pointer": true, "largest_force_n": null, "lanes": 2})
     );
     assert_eq!(hello["side"], 1);
-    let Told::Text(state) = client.next() else {
+    let Received::Text(state) = client.next() else {
         panic!("samples came before the state")
     };
     assert_eq!(
@@ -49,11 +49,11 @@ fn a_client_is_greeted_and_told_the_state() {
             "mass_kg": 0.1,
             "virtual_force_n": -0.981,
             "period_s": 0.001,
-            "told_device_mass_kg": 0.25,
-            "told_delay_s": 0.0,
-            "told_lag_s": 0.0,
-            "told_gain": 1.0,
-            "lanes": [{"method": "coupled", "damping_n_s_per_m": null, "running": true, "trip": null, "trip_method": null}],
+            "model_device_mass_kg": 0.25,
+            "model_delay_s": 0.0,
+            "model_lag_s": 0.0,
+            "model_gain": 1.0,
+            "lanes": [{"method": "coupled", "damping_n_s_per_m": null, "running": true, "safety_stop": null, "safety_stop_method": null}],
             "recording": null,
             "hand_m": 0.0,
         })
@@ -78,8 +78,8 @@ fn at_a_kilohertz_every_tick_is_a_row() {
     let (mut counted_to, mut is_row) = (None, false);
     while rows < 1000 || !is_row {
         let frame = match client.next() {
-            Told::Samples(frame) => frame,
-            Told::Text(text) => {
+            Received::Samples(frame) => frame,
+            Received::Text(text) => {
                 if text["type"] == "status" && last.is_some() {
                     counted_to = text["lanes"][0]["t_s"].as_f64();
                     assert!(counted_to > Some(0.0), "{text}");
@@ -152,7 +152,7 @@ fn what_is_set_is_told_to_all_and_what_is_wrong_to_one() {
     one.say(r#"{"type":"set","stiffness_n_per_m":260}"#);
     let mut refusals = 0;
     loop {
-        if let Told::Text(text) = other.next() {
+        if let Received::Text(text) = other.next() {
             refusals += u32::from(text["type"] == "refused");
             if text["stiffness_n_per_m"] == 260.0 {
                 break;
@@ -246,15 +246,19 @@ fn a_trip_is_told_and_ends_when_somebody_rearms() {
     });
     let mut client = stage.client();
     client.say(r#"{"type":"hand","position_m":-0.06}"#);
-    let trip = "the device left its workspace";
-    let state = client.until("state", |state| state["lanes"][0]["trip"].is_string());
-    assert_eq!(state["lanes"][0]["trip"], trip);
+    let safety_stop = "the device left its workspace";
+    let state = client.until("state", |state| {
+        state["lanes"][0]["safety_stop"].is_string()
+    });
+    assert_eq!(state["lanes"][0]["safety_stop"], safety_stop);
     client.say(r#"{"type":"hand","position_m":0}"#);
     client.frame(|frame| frame.column(DEVICE).last().unwrap().abs() < 0.01);
     client.say(r#"{"type":"rearm","lane":0}"#);
     client.until("note", |note| note["kind"] == "rearmed");
     // If the machine pauses, late forces may cause another safety stop at once.
-    client.until("state", |state| state["lanes"][0]["trip"] != trip);
+    client.until("state", |state| {
+        state["lanes"][0]["safety_stop"] != safety_stop
+    });
 }
 
 /// The server continues without a device, and the loop restarts when there is one.
@@ -322,8 +326,8 @@ fn a_recording_begins_and_ends_while_the_loop_runs() {
         let recording = Recording::open(&stage.folder.path().join(file.as_str().unwrap())).unwrap();
         assert!(recording.is_whole());
         assert_eq!(recording.lost(), 0);
-        let receipt = &recording.receipt;
-        let scene = &receipt.texts["scene"];
+        let metadata = &recording.metadata;
+        let scene = &metadata.texts["scene"];
         assert!(scene.contains("stiffness_n_per_m = 321"), "{scene}");
         assert!(scene.contains(&format!("method = \"{method}\"")), "{scene}");
         let mut generations = Vec::new();

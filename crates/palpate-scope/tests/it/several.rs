@@ -262,8 +262,8 @@ fn a_device_that_has_gone_is_named_and_takes_the_force_off_both() {
     let state = text(&mut seat, "state", |state| {
         state["lanes"][0]["running"] == false
     });
-    let trip = state["lanes"][0]["trip"].as_str().unwrap();
-    assert!(trip.starts_with("right: "), "{trip}");
+    let safety_stop = state["lanes"][0]["safety_stop"].as_str().unwrap();
+    assert!(safety_stop.starts_with("right: "), "{safety_stop}");
     stop.raise();
     let end = session.join();
     let [lane] = &end.lanes[..] else {
@@ -271,7 +271,7 @@ fn a_device_that_has_gone_is_named_and_takes_the_force_off_both() {
     };
     assert_eq!(lane.capabilities.len(), 2);
     assert_eq!(lane.end.ending, Ending::DeviceLost);
-    let tripped = lane.end.control.tripped_device();
-    assert_eq!(tripped.map(|(device, _)| device), Some(1));
+    let stopped = lane.end.control.stopped_device();
+    assert_eq!(stopped.map(|(device, _)| device), Some(1));
     assert_eq!(*written.lock().unwrap(), [Wrench::NONE; 2]);
 }

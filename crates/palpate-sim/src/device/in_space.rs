@@ -19,10 +19,10 @@ use palpate_testbed::world::HeldTurning;
 
 use super::turning_pointer::{TurningPointer, TurningWish};
 use super::{PointerDevice, PointerHand, PointerParams};
-use crate::world::judged_turning;
+use crate::world::reference_turning;
 
 /// Most forces that begin later: those of the longest delay that a scene can state.
-const MOST_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
+const MAX_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
 
 /// The device of a world with its hand, simulated on the loop's clock. Along each of its axes it is a mass in a hand,
 /// with the parameters of the scene. The hand also turns a six-axis device.
@@ -90,7 +90,7 @@ impl<C: Clock> SpatialDevice<C> {
             gain: actuator.gain,
             lag: actuator.lag,
         };
-        let turning = device.turning.as_ref().map(judged_turning);
+        let turning = device.turning.as_ref().map(reference_turning);
         let turning = turning
             .map(|turning| HeldTurning::checked(&turning, motors))
             .transpose()?;
@@ -136,7 +136,7 @@ impl<C: Clock> SpatialDevice<C> {
             held: Wrench::NONE,
             written: Wrench::NONE,
             late: Duration::try_from_secs_f64(actuator.delay).unwrap_or_default(),
-            later: VecDeque::with_capacity(MOST_LATER),
+            later: VecDeque::with_capacity(MAX_LATER),
             cut: Cut::none(),
         })
     }
@@ -222,7 +222,7 @@ impl<C: Clock> Device for SpatialDevice<C> {
             wrench
         };
         if self.late > Duration::ZERO {
-            if self.later.len() == MOST_LATER {
+            if self.later.len() == MAX_LATER {
                 self.later.pop_front();
             }
             self.later.push_back((now + self.late, self.written));
@@ -290,9 +290,9 @@ impl SpatialHand {
     }
 
     /// Lets go of the device.
-    pub fn let_go(&self) {
+    pub fn disable_output(&self) {
         for hand in &self.along {
-            hand.let_go();
+            hand.disable_output();
         }
     }
 

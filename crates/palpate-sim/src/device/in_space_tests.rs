@@ -67,7 +67,7 @@ fn a_hand_takes_hold_of_a_turned_device_without_a_jolt() {
     let hand = SpatialHand::at([0.0; 3]);
     let (mut device, clock) = turned_by_a_hand("[1e-4, 2e-4, 3e-4]", &hand);
     turns(&mut device, &clock, [0.0; 3], 10);
-    hand.let_go();
+    hand.disable_output();
     // Start to turn; the hand's damping then nearly stops the motion.
     turns(&mut device, &clock, [0.0, 0.03, 0.0], 200);
     let left = *turns(&mut device, &clock, [0.0; 3], 300).last().unwrap();
@@ -126,8 +126,8 @@ fn a_hand_too_stiff_for_its_device_is_refused() {
     let hand = SpatialHand::at([0.0; 3]);
     let pointer = SpatialPointer::new(&scene.devices[0], actuator, &hand, clock).unwrap_err();
     for wrong in [simulated, pointer] {
-        let told = wrong.to_string();
-        assert!(told.contains("at most 32000 rad/s"), "{told}");
+        let model = wrong.to_string();
+        assert!(model.contains("at most 32000 rad/s"), "{model}");
         assert!(
             (wrong.value - 2.2 * 2e9_f64.sqrt()).abs() < 1.0,
             "{}",
@@ -180,7 +180,7 @@ fn a_pointer_s_hand_turns_a_device_of_six_axes() {
     );
     hand.turn_back();
     assert!(apart(run([0.0; 3], 600), start) < 1e-3, "it is turned back");
-    hand.let_go();
+    hand.disable_output();
     let free = apart(run([0.0, 0.03, 0.0], 200), start);
     assert!(free > 0.3, "nobody holds it: {free}");
 }

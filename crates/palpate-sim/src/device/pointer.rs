@@ -61,7 +61,7 @@ pub struct PointerParams {
 }
 
 /// Most forces that begin later: those of the longest delay that a scene can state.
-const MOST_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
+const MAX_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
 
 impl Default for PointerParams {
     /// A light desktop device in a relaxed hand.
@@ -208,7 +208,7 @@ impl PointerHand {
     }
 
     /// Lets go of the device.
-    pub fn let_go(&self) {
+    pub fn disable_output(&self) {
         self.0.store(LETS_GO, Ordering::Release);
     }
 
@@ -298,7 +298,7 @@ impl<C: Clock> PointerDevice<C> {
             },
             on_their_way: vec![0.0; params.delay],
             late: Duration::try_from_secs_f64(params.delay_seconds).unwrap_or_default(),
-            later: VecDeque::with_capacity(MOST_LATER),
+            later: VecDeque::with_capacity(MAX_LATER),
             motor: Actuator::new(params.actuator)?,
             params,
             hand: hand.clone(),
@@ -494,7 +494,7 @@ impl<C: Clock> Device for PointerDevice<C> {
         }
         self.sent = force;
         if self.late > Duration::ZERO {
-            if self.later.len() == MOST_LATER {
+            if self.later.len() == MAX_LATER {
                 self.later.pop_front();
             }
             self.later.push_back((now + self.late, force));

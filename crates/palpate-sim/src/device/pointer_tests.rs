@@ -183,7 +183,7 @@ fn a_device_that_nobody_holds_comes_to_rest_and_is_taken_hold_of_without_a_jolt(
     device.read().unwrap();
     let speed = device.velocity();
     assert!(speed > 0.3, "{speed}");
-    hand.let_go();
+    hand.disable_output();
     device.read().unwrap();
     assert_eq!(device.velocity(), speed);
     clock.advance(1000 * MS);

@@ -12,7 +12,7 @@ use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Cut, Device, DeviceError, Pose, Wrench, ZeroWriter};
 
 /// Most forces that begin later: those of the longest delay that a scene can state.
-const MOST_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
+const MAX_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
 
 /// A virtual device with its hand, moved by the time that passes on the loop's clock: between two
 /// calls it moves under the force that was written last. Its one axis is the contact's.
@@ -64,7 +64,7 @@ impl<C: Clock> SimulatedDevice<C> {
             held: 0.0,
             on_their_way: vec![0.0; scene.delay.whole_samples()],
             late: Duration::try_from_secs_f64(scene.delay.seconds()).unwrap_or_default(),
-            later: VecDeque::with_capacity(MOST_LATER),
+            later: VecDeque::with_capacity(MAX_LATER),
             written: 0.0,
             cut: Cut::none(),
         })
@@ -133,7 +133,7 @@ impl<C: Clock> Device for SimulatedDevice<C> {
         let [force, ..] = wrench.force;
         self.written = force;
         if self.late > Duration::ZERO {
-            if self.later.len() == MOST_LATER {
+            if self.later.len() == MAX_LATER {
                 self.later.pop_front();
             }
             self.later.push_back((now + self.late, force));

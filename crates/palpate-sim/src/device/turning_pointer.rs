@@ -17,13 +17,13 @@ use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::world::{HeldTurning, TurningHand};
 
 use super::pointer::LONGEST;
-use crate::world::judged_turning;
+use crate::world::reference_turning;
 
 /// An orientation, `[w, x, y, z]`.
 type Quaternion = [f64; 4];
 
 /// Most torques that begin later: those of the longest delay that a scene can state.
-const MOST_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
+const MAX_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
 /// Rate at which the aim follows the hand's wish `[1/s]`.
 const AIM_RATE: f64 = 50.0;
 /// Stiffness of a hand that the scene gives none `[N m/rad]`.
@@ -106,7 +106,7 @@ impl<C: Clock> TurningPointer<C> {
         wish: &TurningWish,
         clock: C,
     ) -> Result<Self, InvalidParameter> {
-        let mut turning = judged_turning(device);
+        let mut turning = reference_turning(device);
         let hand = &mut turning.hand;
         // The wish is in place of the scene's torque, tremor and rest.
         *hand = TurningHand {
@@ -133,7 +133,7 @@ impl<C: Clock> TurningPointer<C> {
             held: [0.0; 3],
             written: [0.0; 3],
             late: Duration::try_from_secs_f64(actuator.delay).unwrap_or_default(),
-            later: VecDeque::with_capacity(MOST_LATER),
+            later: VecDeque::with_capacity(MAX_LATER),
             cut: Cut::none(),
         })
     }
@@ -150,7 +150,7 @@ impl<C: Clock> TurningPointer<C> {
         self.cut.is_over();
         self.written = torque;
         if self.late > Duration::ZERO {
-            if self.later.len() == MOST_LATER {
+            if self.later.len() == MAX_LATER {
                 self.later.pop_front();
             }
             self.later.push_back((now + self.late, torque));

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use palpate_testbed::world as judge;
+use palpate_testbed::world as reference;
 use palpate_world::{
     Body, Contact, ContactLaw, Free, Hull, Joint, JointKind, JointLaw, Mesh, Motion, Party, Shape,
     SphereAt, Tool, World,
@@ -13,11 +13,11 @@ use palpate_world::{
 /// # Panics
 /// The scene has a mesh or hull that the renderer rejects; the testbed's gallery has no such mesh.
 #[must_use]
-pub fn as_rendered(scene: &judge::WorldScene) -> World {
+pub fn as_rendered(scene: &reference::WorldScene) -> World {
     let tools = scene.devices.iter().map(|device| {
         let shape = match &device.tool {
-            judge::Tool::Solid(solid) => shape(solid),
-            judge::Tool::Spheres(spheres) => Shape::Spheres {
+            reference::Tool::Solid(solid) => shape(solid),
+            reference::Tool::Spheres(spheres) => Shape::Spheres {
                 spheres: spheres
                     .iter()
                     .map(|sphere| SphereAt {
@@ -36,8 +36,8 @@ pub fn as_rendered(scene: &judge::WorldScene) -> World {
         }
     });
     let name = |member| match member {
-        judge::Member::Device(number) => Party::Named(scene.devices[number].name.clone()),
-        judge::Member::Body(number) => Party::Named(scene.bodies[number].name.clone()),
+        reference::Member::Device(number) => Party::Named(scene.devices[number].name.clone()),
+        reference::Member::Body(number) => Party::Named(scene.bodies[number].name.clone()),
     };
     let contacts = scene.pairs.iter().map(|pair| Contact {
         between: pair.between.map(name),
@@ -57,14 +57,14 @@ pub fn as_rendered(scene: &judge::WorldScene) -> World {
     }
 }
 
-fn joint(scene: &judge::WorldScene, joint: &judge::WorldJoint) -> Joint {
+fn joint(scene: &reference::WorldScene, joint: &reference::WorldJoint) -> Joint {
     let name = |number: usize| scene.bodies[number].name.clone();
     Joint {
         body: name(joint.body),
         against: joint.against.map(name),
         kind: match joint.freedom {
-            judge::Freedom::Turn => JointKind::Hinge,
-            judge::Freedom::Slide => JointKind::Slider,
+            reference::Freedom::Turn => JointKind::Hinge,
+            reference::Freedom::Slide => JointKind::Slider,
         },
         point: joint.point,
         axis: joint.axis,
@@ -80,27 +80,27 @@ fn joint(scene: &judge::WorldScene, joint: &judge::WorldJoint) -> Joint {
     }
 }
 
-fn shape(shape: &judge::Shape) -> Shape {
+fn shape(shape: &reference::Shape) -> Shape {
     match *shape {
-        judge::Shape::Mesh(ref mesh) => {
+        reference::Shape::Mesh(ref mesh) => {
             let mesh = Mesh::new(&mesh.vertices(), &mesh.faces());
             Shape::Mesh(Arc::new(mesh.expect("a mesh that the renderer takes")))
         }
-        judge::Shape::Hull(ref hull) => {
+        reference::Shape::Hull(ref hull) => {
             let hull = Hull::around(&hull.corners());
             Shape::Hull(Arc::new(hull.expect("a hull that the renderer takes")))
         }
-        judge::Shape::Sphere { radius } => Shape::Sphere { radius },
-        judge::Shape::HalfSpace { normal, offset } => Shape::HalfSpace { normal, offset },
-        judge::Shape::Box { half_extents } => Shape::Box { half_extents },
-        judge::Shape::Capsule {
+        reference::Shape::Sphere { radius } => Shape::Sphere { radius },
+        reference::Shape::HalfSpace { normal, offset } => Shape::HalfSpace { normal, offset },
+        reference::Shape::Box { half_extents } => Shape::Box { half_extents },
+        reference::Shape::Capsule {
             radius,
             half_length,
         } => Shape::Capsule {
             radius,
             half_length,
         },
-        judge::Shape::Cylinder {
+        reference::Shape::Cylinder {
             radius,
             half_length,
         } => Shape::Cylinder {
@@ -110,7 +110,7 @@ fn shape(shape: &judge::Shape) -> Shape {
     }
 }
 
-fn body(body: &judge::WorldBody) -> Body {
+fn body(body: &reference::WorldBody) -> Body {
     let shape = shape(&body.shape);
     let motion = body.motion.map_or(Motion::Fixed, |motion| {
         Motion::Free(Free {

@@ -4,7 +4,7 @@
 
 use crate::common::scene as experiment;
 use palpate_scene::method::MethodName;
-use palpate_scene::{ActuatorParams, Cogging, Delay, Scene, SceneFile, Told, Transmission};
+use palpate_scene::{ActuatorParams, Cogging, Delay, Model, Scene, SceneFile, Transmission};
 use palpate_sim::VirtualDevice;
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::run::Run;
@@ -38,12 +38,12 @@ fn a_perfect_actuator_that_is_stated_changes_no_bit() {
     for name in crate::common::PAPER_SCENES {
         let plain = experiment(name);
         let mut stated = plain.clone();
-        stated.told = Told {
+        stated.model = Model {
             delay: Some(0.0),
             lag: Some(0.0),
             gain: Some(1.0),
             delay_deviation: Some(0.0),
-            ..Told::default()
+            ..Model::default()
         };
         for method in [MethodName::Coupled, MethodName::Hfcr] {
             let (a, b) = (run(&plain, method), run(&stated, method));
@@ -121,7 +121,7 @@ fn the_device_moves_under_the_delivered_force_and_its_means_are_judged() {
         let bench_work = run.bench_port_work.unwrap();
         assert!((bench_work - work).abs() < 1e-3 * (1.0 + work.abs()));
         let f = run.force.fidelity.unwrap();
-        let sum = f.hold_floor.powi(2) + f.mean_force_error.powi(2);
+        let sum = f.hold_bound.powi(2) + f.mean_force_error.powi(2);
         assert!((f.force_rendering_error.powi(2) / sum - 1.0).abs() < 1e-9);
     }
 }
@@ -129,11 +129,11 @@ fn the_device_moves_under_the_delivered_force_and_its_means_are_judged() {
 #[test]
 fn a_gain_that_nobody_tells_is_an_error_of_the_force() {
     let mut scene = real("fig2", 0.0, 0.0, 0.9, 0.0);
-    let told = error(&scene, MethodName::Coupled);
-    scene.told.gain = Some(1.0);
-    let untold = error(&scene, MethodName::Coupled);
-    println!("gain .9 told {told:.2} %, untold {untold:.2} %");
-    assert!(told < 1.0 && untold > 5.0);
+    let model = error(&scene, MethodName::Coupled);
+    scene.model.gain = Some(1.0);
+    let unmodelled = error(&scene, MethodName::Coupled);
+    println!("gain .9 told {model:.2} %, untold {unmodelled:.2} %");
+    assert!(model < 1.0 && unmodelled > 5.0);
 }
 
 #[test]
@@ -141,10 +141,10 @@ fn what_is_told_of_delay_and_lag_takes_coupled_to_what_the_actuator_can_do() {
     for name in ["fig2", "experiment1"] {
         let mut scene = real(name, 0.5, 0.3, 1.0, 0.0);
         let truth = error(&scene, MethodName::Coupled);
-        scene.told = Told {
+        scene.model = Model {
             delay: Some(0.0),
             lag: Some(0.0),
-            ..Told::default()
+            ..Model::default()
         };
         let nothing = error(&scene, MethodName::Coupled);
         println!("{name}: told the truth {truth:.2} %, nothing {nothing:.2} %");
@@ -171,15 +171,15 @@ fn what_is_told_changes_nothing_but_the_renderer() {
     let mut scene = real("experiment1", 0.5, 0.3, 0.95, 0.1);
     let bench = Bench::new(&scene).unwrap();
     let before = bench.run(MethodName::Basic).unwrap();
-    let mut told = scene.clone();
-    told.told = Told {
+    let mut model = scene.clone();
+    model.model = Model {
         delay: Some(0.01),
         lag: Some(0.0),
-        ..Told::default()
+        ..Model::default()
     };
-    let varied = bench.run_varied(&told, MethodName::Basic).unwrap();
+    let varied = bench.run_varied(&model, MethodName::Basic).unwrap();
     assert_eq!(varied.held, before.held);
-    scene.told = told.told;
+    scene.model = model.model;
     assert_eq!(run(&scene, MethodName::Basic).held, before.held);
 }
 
@@ -239,35 +239,35 @@ fn a_flexible_device_has_an_ideal_of_its_own_and_a_stiff_one_that_of_the_point_m
 }
 
 /// The wall on half of a device, with a resonance of 100 Hz, without and with a model of it.
-fn told_flexible(stiffness: f64, period: f64) -> [Scene; 2] {
-    let mut untold = experiment("coupled/flexible");
-    untold.contact.stiffness = stiffness;
-    untold.loop_params.period = period;
-    let mut told = untold.clone();
-    told.told.transmission = Some(palpate::Transmission {
+fn model_flexible(stiffness: f64, period: f64) -> [Scene; 2] {
+    let mut unmodelled = experiment("coupled/flexible");
+    unmodelled.contact.stiffness = stiffness;
+    unmodelled.loop_params.period = period;
+    let mut model = unmodelled.clone();
+    model.model.transmission = Some(palpate::Transmission {
         resonance: 100.0,
         damping_ratio: 0.03,
         flexible_mass_fraction: 0.5,
     });
-    [untold, told]
+    [unmodelled, model]
 }
 
 /// The contact is at 0.7 of the resonance: beyond what the resonance allows a renderer that knows no transmission.
 #[test]
 fn a_told_transmission_takes_coupled_to_a_stiff_wall_on_a_flexible_device() {
-    let [untold, told] =
-        told_flexible(19_344.0, 1e-3).map(|scene| error(&scene, MethodName::Coupled));
-    println!("E: untold {untold:.2} %, told {told:.2} %");
-    assert!(told < 2.0 && untold > 10.0);
+    let [unmodelled, model] =
+        model_flexible(19_344.0, 1e-3).map(|scene| error(&scene, MethodName::Coupled));
+    println!("E: untold {unmodelled:.2} %, told {model:.2} %");
+    assert!(model < 2.0 && unmodelled > 10.0);
 }
 
 /// With twenty samples in a period of the resonance or more, one mass does better, so that is what is taken.
 #[test]
 fn a_told_transmission_that_is_slow_against_the_loop_changes_nothing() {
     for period in [5e-4, 2.5e-4] {
-        let [untold, told] =
-            told_flexible(9870.0, period).map(|scene| run(&scene, MethodName::Coupled));
-        assert_eq!(untold.ticks, told.ticks);
+        let [unmodelled, model] =
+            model_flexible(9870.0, period).map(|scene| run(&scene, MethodName::Coupled));
+        assert_eq!(unmodelled.ticks, model.ticks);
     }
 }
 
@@ -297,7 +297,7 @@ fn a_scene_of_all_of_it_reads_back_from_its_file_to_the_same_run() {
         gain: 0.97,
         lag: 0.002,
     };
-    scene.told = Told {
+    scene.model = Model {
         delay: Some(0.013),
         delay_deviation: Some(1e-4),
         lag: Some(0.0021),

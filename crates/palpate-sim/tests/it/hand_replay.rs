@@ -79,12 +79,12 @@ fn block() -> Contact<f64> {
 /// The true closed loop of that hand by `method`: positions, and forces on the device from each sample
 /// on.
 fn true_loop(method: MethodName, setup: &ReplaySetup, samples: usize) -> (Vec<f64>, Vec<f64>) {
-    let told = ReplaySetup {
+    let model = ReplaySetup {
         device_mass: Some(MASS),
         ..*setup
     };
     let mut device = True::at_rest();
-    let params = told
+    let params = model
         .params(method, &Default::default(), device.position, false)
         .unwrap();
     let renderer: AnyRenderer<f64> =

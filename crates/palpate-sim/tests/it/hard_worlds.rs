@@ -21,7 +21,7 @@ fn coupled(source: &str) -> WorldRun {
 }
 
 fn error(run: &WorldRun) -> f64 {
-    run.judgement.sum.unwrap().mean_force_error
+    run.evaluation.sum.unwrap().mean_force_error
 }
 
 /// A finger that falls on a plate of 10 g on a table, at 50 Hz.
@@ -62,15 +62,15 @@ fn a_light_plate_under_a_finger_at_50_hz_is_followed() {
         let run = coupled(&source);
         // Many more sub-steps: the error is not theirs.
         let scene = scene(&source);
-        let mut in_loop = scene.in_loop();
-        in_loop.sub_steps = SubSteps {
+        let mut loop_params = scene.loop_params();
+        loop_params.sub_steps = SubSteps {
             phase: 0.003,
             most: 4096,
             refined: 100,
             ..SubSteps::default()
         };
         let method = scene.method("coupled").unwrap();
-        let fine = WorldRenderer::new(&scene.world, in_loop, method).unwrap();
+        let fine = WorldRenderer::new(&scene.world, loop_params, method).unwrap();
         let fine = WorldBench::new(&scene)
             .unwrap()
             .run("coupled", &fine)
@@ -149,9 +149,13 @@ fn the_books_of_refused_samples_have_nothing_of_a_motion_that_grows() {
         let bench = WorldBench::new(&scene).unwrap();
         for method in ["basic", "coupled"] {
             let run = bench.run(method, &scene.renderer(method).unwrap()).unwrap();
-            let books = &run.books;
-            let (created, dissipated) = (run.created(), books.dissipated());
-            let off: f64 = books.joints.iter().map(|book| book.step_error.abs()).sum();
+            let ledger = &run.ledger;
+            let (created, dissipated) = (run.created(), ledger.dissipated());
+            let off: f64 = ledger
+                .joints
+                .iter()
+                .map(|entry| entry.step_error.abs())
+                .sum();
             println!(
                 "{strong}, {method}: {} refused, {created:e} J created, {dissipated:e} J dissipated, {off:e} J off",
                 run.refused
@@ -159,7 +163,7 @@ fn the_books_of_refused_samples_have_nothing_of_a_motion_that_grows() {
             assert!(run.refused >= 50, "{}", run.refused);
             // Where every other sample is used, the device is pushed by the drawer at its start: as deep as it is there.
             assert!(created.abs() < 0.1 && dissipated < 0.1 && off == 0.0);
-            let stored: f64 = books.joints.iter().map(|book| book.stored).sum();
+            let stored: f64 = ledger.joints.iter().map(|entry| entry.stored).sum();
             let at_start = if strong.contains("rest_m") { 5e-3 } else { 0.0 };
             assert!((stored - at_start).abs() < 1e-15, "{stored}");
         }
@@ -232,7 +236,7 @@ duration_s = 0.3
 #[test]
 fn a_perfect_sensor_is_about_as_good_as_one_of_a_micrometre_after_an_impact() {
     for period in ["0.001", "0.002"] {
-        for (mass, told, damping) in [
+        for (mass, model, damping) in [
             ("0.1", "0.1", "3.0"),
             ("0.1", "0.067", "3.0"),
             ("0.1", "0.15", "1.0"),
@@ -243,17 +247,17 @@ fn a_perfect_sensor_is_about_as_good_as_one_of_a_micrometre_after_an_impact() {
                 let source = IMPACT
                     .replace("0.001", period)
                     .replace("\nmass_kg = 0.1", &format!("\nmass_kg = {mass}"))
-                    .replace("device_mass_kg = 0.1", &format!("device_mass_kg = {told}"))
+                    .replace("device_mass_kg = 0.1", &format!("device_mass_kg = {model}"))
                     .replace("_m = 3.0", &format!("_m = {damping}"))
                     .replace("quantum_m = 0.0", &format!("quantum_m = {quantum}"));
                 error(&coupled(&source))
             };
             let (perfect, real) = (of("0.0"), of("1e-6"));
             println!(
-                "{period} s, {mass} kg told {told}, {damping} N s/m: E {perfect:.2} %, with 1 um {real:.2} %"
+                "{period} s, {mass} kg told {model}, {damping} N s/m: E {perfect:.2} %, with 1 um {real:.2} %"
             );
             // At 2 ms with too large a model mass the error may be large (docs/worlds.md, "Limits").
-            let most = match (period, told > mass) {
+            let most = match (period, model > mass) {
                 ("0.001", _) => 0.5,
                 (_, false) => 3.0,
                 (_, true) => 80.0,
@@ -417,7 +421,7 @@ fn check_conical_hole(faces: u32, lean: f64, friction: f64) {
     println!(
         "{faces} faces, {lean} degrees, friction {friction}: E {:.2} %, floor {:.1}",
         error(&run),
-        run.judgement.sum.unwrap().hold_floor,
+        run.evaluation.sum.unwrap().hold_bound,
     );
     assert_eq!((run.refused, run.crowded), (0, 0));
     assert!(error(&run) < 2.0);

@@ -10,7 +10,7 @@ use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
 use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::ideal::{Ideal, PointMassScene};
-use palpate_testbed::metrics::ForceJudgement;
+use palpate_testbed::metrics::ForceEvaluation;
 
 /// One of the paper's scenes in a loop with something, or everything, wrong.
 fn imperfect(name: &str, seed: u64) -> Scene {
@@ -125,10 +125,10 @@ fn the_square_of_the_error_is_that_of_floor_and_mean_force_error_in_any_loop() {
             .force
             .fidelity
             .unwrap()
-            .hold_floor;
+            .hold_bound;
         for method in MethodName::ALL {
             let f = bench.run(method).unwrap().force.fidelity.unwrap();
-            let (fre, floor, e) = (f.force_rendering_error, f.hold_floor, f.mean_force_error);
+            let (fre, floor, e) = (f.force_rendering_error, f.hold_bound, f.mean_force_error);
             let sum = floor * floor + e * e;
             assert!((fre * fre / sum - 1.0).abs() < 1e-9, "{method} {scene:?}");
             away = away.max((floor / perfect_floor - 1.0).abs());
@@ -136,12 +136,12 @@ fn the_square_of_the_error_is_that_of_floor_and_mean_force_error_in_any_loop() {
         // The best that this loop can hold has no error but the floor.
         let profile = &bench.reference().profile;
         let best: Vec<f64> = profile.mean_forces().collect();
-        let best = ForceJudgement::of(&best, profile)
+        let best = ForceEvaluation::of(&best, profile)
             .unwrap()
             .fidelity
             .unwrap();
         assert_eq!(best.mean_force_error, 0.0);
-        assert!((best.force_rendering_error / best.hold_floor - 1.0).abs() < 1e-9);
+        assert!((best.force_rendering_error / best.hold_bound - 1.0).abs() < 1e-9);
     }
     assert!(
         away > 0.2,
@@ -335,7 +335,7 @@ fn a_bench_runs_what_has_its_ideal_and_nothing_else() {
     let refused = |change: &dyn Fn(&mut Scene)| {
         let mut other = scene.clone();
         change(&mut other);
-        assert!(!bench.judges(&other));
+        assert!(!bench.evaluates(&other));
         let error = bench.run_varied(&other, MethodName::Basic).unwrap_err();
         assert_eq!(error, LoopError::AnotherScene);
     };

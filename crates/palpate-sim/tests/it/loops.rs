@@ -72,12 +72,12 @@ prop_compose! {
                 hand: Hand::pushing(sign * accelerations.0 * per_period * device_mass),
                 ..PointMassDevice::default()
             }),
-            told_device_mass: None,
+            model_device_mass: None,
             object_radius: 0.0,
             delay: Delay::samples(delay),
             timing: Timing::default(),
             actuator: palpate_scene::ActuatorParams::default(),
-            told: palpate_scene::Told::default(),
+            model: palpate_scene::Model::default(),
             measure: Measure::Duration(PERIODS * period),
             method: MethodName::Basic,
             settings: std::collections::HashMap::new(),
@@ -109,9 +109,9 @@ fn numbers(tick: &Tick) -> [f64; 18] {
     ]
 }
 
-/// Books of a run, kept here from what its ticks show.
+/// EnergyLedger of a run, kept here from what its ticks show.
 #[derive(Default, Debug)]
-struct Books {
+struct EnergyLedger {
     port_work: f64,
     true_port_work: f64,
     virtual_force_work: f64,
@@ -132,7 +132,7 @@ fn yields_to(contact: &Contact<f64>, loop_params: &LoopParams<f64>, method: Meth
     }
 }
 
-impl Books {
+impl EnergyLedger {
     /// `largest`: force to which the contact yields `[N]`.
     fn of(contact: &Contact<f64>, largest: f64, virtual_force: f64, run: &Run) -> Self {
         let force =
@@ -146,7 +146,7 @@ impl Books {
             0.5 * (kinetic + force(tick).powi(2) / contact.stiffness) + force(tick) * beyond
         };
         let sign: f64 = contact.side.sign();
-        let mut books = Self::default();
+        let mut ledger = Self::default();
         for pair in run.ticks.windows(2) {
             let (tick, next) = (&pair[0], &pair[1]);
             let held = tick.held_force_on_object;
@@ -160,20 +160,20 @@ impl Books {
                 Mass::Infinite => 0.0,
             };
             let unpaid = stored(next) - stored(tick) - virtual_work;
-            books.port_work += held * moved;
-            books.true_port_work += held * truly;
-            books.virtual_force_work += virtual_work;
-            books.original_leak += unpaid - spring * moved;
-            books.held_leak += unpaid - held * moved;
-            books.forces += held.abs();
-            books.turned_over += stored(next)
+            ledger.port_work += held * moved;
+            ledger.true_port_work += held * truly;
+            ledger.virtual_force_work += virtual_work;
+            ledger.original_leak += unpaid - spring * moved;
+            ledger.held_leak += unpaid - held * moved;
+            ledger.forces += held.abs();
+            ledger.turned_over += stored(next)
                 + stored(tick)
                 + virtual_work.abs()
                 + (spring * moved).abs()
                 + (held * moved).abs()
                 + (held * truly).abs();
         }
-        books
+        ledger
     }
 }
 
@@ -195,10 +195,10 @@ proptest! {
                 prop_assert!(numbers(tick).iter().all(|x| x.is_finite()), "{method}: {tick:?}");
             }
             let largest = yields_to(&scene.contact, &scene.loop_params, method);
-            let books = Books::of(&scene.contact, largest, scene.virtual_force, &run);
+            let ledger = EnergyLedger::of(&scene.contact, largest, scene.virtual_force, &run);
             let (first, last) = (&run.ticks[0].ledger, &run.last().ledger);
             let near = |given: f64, expected: f64| {
-                (given - expected).abs() <= 1e-10 * books.turned_over
+                (given - expected).abs() <= 1e-10 * ledger.turned_over
             };
             // The ledger's own balance.
             let gained = last.stored - first.stored;
@@ -210,21 +210,21 @@ proptest! {
             prop_assert_eq!(last.outside_work, 0.0);
             // Compares each column with the energy ledger of this test, which uses measured positions.
             for (column, given, expected) in [
-                ("port work", last.port_work, books.port_work),
-                ("work of f_V", last.virtual_force_work, books.virtual_force_work),
-                ("original leak", last.original_leak.accumulated, books.original_leak),
-                ("held leak", last.held_leak.accumulated, books.held_leak),
+                ("port work", last.port_work, ledger.port_work),
+                ("work of f_V", last.virtual_force_work, ledger.virtual_force_work),
+                ("original leak", last.original_leak.accumulated, ledger.original_leak),
+                ("held leak", last.held_leak.accumulated, ledger.held_leak),
             ] {
                 prop_assert!(near(given, expected), "{method}, {column}: {given} for {expected}");
             }
             // The bench integrates the true motion. With an ideal sensor that is what the renderer
             // saw; with an encoder they differ by each force times at most a quantum.
             let bench_work = run.bench_port_work.unwrap();
-            prop_assert!(near(bench_work, books.true_port_work));
+            prop_assert!(near(bench_work, ledger.true_port_work));
             let quantum = scene.device.encoder_quantum();
             let difference = (bench_work - last.port_work).abs();
             prop_assert!(
-                difference <= 1e-10 * books.turned_over + quantum * books.forces,
+                difference <= 1e-10 * ledger.turned_over + quantum * ledger.forces,
                 "{method}: {bench_work} J on the bench, {} J in the ledger",
                 last.port_work
             );
@@ -381,15 +381,16 @@ fn a_replay_holds_each_answer_after_its_delay_and_books_what_it_held() {
                     assert_eq!(tick.held_force_on_object, expected, "{method}");
                     assert_eq!(tick.device_position, positions[10 * i]);
                 }
-                let books = Books::of(&setup.contact, f64::INFINITY, setup.virtual_force, &run);
+                let ledger =
+                    EnergyLedger::of(&setup.contact, f64::INFINITY, setup.virtual_force, &run);
                 let last = &run.last().ledger;
                 for (given, expected) in [
-                    (last.port_work, books.port_work),
-                    (last.held_leak.accumulated, books.held_leak),
-                    (last.original_leak.accumulated, books.original_leak),
+                    (last.port_work, ledger.port_work),
+                    (last.held_leak.accumulated, ledger.held_leak),
+                    (last.original_leak.accumulated, ledger.original_leak),
                 ] {
                     assert!(
-                        (given - expected).abs() <= 1e-10 * books.turned_over,
+                        (given - expected).abs() <= 1e-10 * ledger.turned_over,
                         "{method}"
                     );
                 }

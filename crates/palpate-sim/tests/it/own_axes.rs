@@ -107,7 +107,7 @@ fn parsed(source: &str, device: &str, period: f64) -> WorldScene {
 }
 
 /// A loop whose integration is as good as exact.
-fn fine(in_loop: WorldLoop) -> WorldLoop {
+fn fine(loop_params: WorldLoop) -> WorldLoop {
     WorldLoop {
         sub_steps: SubSteps {
             phase: 0.003,
@@ -115,7 +115,7 @@ fn fine(in_loop: WorldLoop) -> WorldLoop {
             refined: 100,
             ..SubSteps::default()
         },
-        ..in_loop
+        ..loop_params
     }
 }
 
@@ -129,27 +129,28 @@ fn exact(scene: &WorldScene) -> CoupledParams {
 }
 
 fn error(run: &WorldRun) -> f64 {
-    run.judgement.sum.unwrap().mean_force_error
+    run.evaluation.sum.unwrap().mean_force_error
 }
 
 /// E of coupled rendering that knows the device `[%]`.
 fn known(bench: &WorldBench, scene: &WorldScene) -> f64 {
-    let renderer = WorldRenderer::new(&scene.world, fine(scene.in_loop()), exact(scene)).unwrap();
+    let renderer =
+        WorldRenderer::new(&scene.world, fine(scene.loop_params()), exact(scene)).unwrap();
     error(&bench.run("coupled", &renderer).unwrap())
 }
 
 /// Returns the scene with model masses along the world's axes only: 1/m is the diagonal of the mobility.
-fn told_the_diagonal(scene: &WorldScene) -> WorldScene {
-    let mut told = scene.clone();
-    let own = told.world.tools[0].own_axes.take().unwrap();
+fn model_the_diagonal(scene: &WorldScene) -> WorldScene {
+    let mut model = scene.clone();
+    let own = model.world.tools[0].own_axes.take().unwrap();
     let masses = scene.devices[0].mass;
-    told.render.device_mass[0] = [0, 1, 2].map(|axis| {
+    model.render.device_mass[0] = [0, 1, 2].map(|axis| {
         let parts = own.iter().zip(masses);
         1.0 / parts
             .map(|(own, mass)| own[axis] * own[axis] / mass)
             .sum::<f64>()
     });
-    told
+    model
 }
 
 #[test]
@@ -161,16 +162,16 @@ fn with_the_device_known_each_held_force_is_the_mean_of_the_ideal_one() {
             let bench = WorldBench::new(&scene).unwrap();
             assert_eq!(bench.self_check().unwrap().chaotic_from, None);
             let all = known(&bench, &scene);
-            let diagonal = known(&bench, &told_the_diagonal(&scene));
-            let as_it_comes = |told: &WorldScene, factor: f64, method: &str| {
-                let mut told = told.clone();
-                told.render.device_mass[0] = told.render.device_mass[0].map(|mass| factor * mass);
-                error(&bench.run(method, &told.renderer(method).unwrap()).unwrap())
+            let diagonal = known(&bench, &model_the_diagonal(&scene));
+            let as_it_comes = |model: &WorldScene, factor: f64, method: &str| {
+                let mut model = model.clone();
+                model.render.device_mass[0] = model.render.device_mass[0].map(|mass| factor * mass);
+                error(&bench.run(method, &model.renderer(method).unwrap()).unwrap())
             };
             let [comes, wrong, of_diagonal, basic] = [
                 as_it_comes(&scene, 1.0, "coupled"),
                 as_it_comes(&scene, 1.5, "coupled"),
-                as_it_comes(&told_the_diagonal(&scene), 1.0, "coupled"),
+                as_it_comes(&model_the_diagonal(&scene), 1.0, "coupled"),
                 as_it_comes(&scene, 1.0, "basic"),
             ];
             println!(
@@ -195,7 +196,7 @@ fn a_plane_that_is_not_one_of_the_world() {
         let own = scene.world.tools[0].own_axes.unwrap();
         let bench = WorldBench::new(&scene).unwrap();
         let renderer =
-            WorldRenderer::new(&scene.world, fine(scene.in_loop()), exact(&scene)).unwrap();
+            WorldRenderer::new(&scene.world, fine(scene.loop_params()), exact(&scene)).unwrap();
         let run = bench.run("coupled", &renderer).unwrap();
         println!("{name}: E {:.4} %", error(&run));
         assert!(error(&run) < 0.02, "{name}: {}", error(&run));
@@ -276,7 +277,7 @@ fn every_method_pushes_in_a_turned_world_as_it_does_in_the_world() {
             (one_error - two_error).abs() < tolerance,
             "{method}: {one_error} {two_error}"
         );
-        let books = |run: &WorldRun| run.books.created();
-        assert!((books(&one) - books(&two)).abs() < 1e-9, "{method}");
+        let ledger = |run: &WorldRun| run.ledger.created();
+        assert!((ledger(&one) - ledger(&two)).abs() < 1e-9, "{method}");
     }
 }

@@ -60,8 +60,8 @@ fn a_trace_of_friction_changes_the_judgement_by_a_trace() {
         for method in [MethodName::Hfcr, MethodName::VirtualDamper] {
             let (a, b) = (run(&free, method), run(&rough, method));
             let (floor_a, floor_b) = (
-                a.force.fidelity.unwrap().hold_floor,
-                b.force.fidelity.unwrap().hold_floor,
+                a.force.fidelity.unwrap().hold_bound,
+                b.force.fidelity.unwrap().hold_bound,
             );
             println!("{name} {method}: E {} and {}", error(&a), error(&b));
             assert!((error(&a) - error(&b)).abs() < 2e-3, "{name} {method}");
@@ -269,7 +269,7 @@ fn every_method_is_better_than_no_force_in_a_damped_hand() {
         println!(
             "{method:16} E {:6.1} %, FRE/floor {:5.2}",
             fidelity.mean_force_error,
-            fidelity.error_over_floor.unwrap()
+            fidelity.error_over_bound.unwrap()
         );
         assert_eq!(run.diverged, Some(false), "{method}");
     }
@@ -326,7 +326,7 @@ fn the_paper_s_experiments_run_on_the_virtual_pantograph() {
         let runs = METHODS.map(|method| bench.run(method).unwrap());
         for run in &runs {
             let fidelity = run.force.fidelity.unwrap();
-            assert!((fidelity.hold_floor - floor).abs() < 0.02, "{fidelity:?}");
+            assert!((fidelity.hold_bound - floor).abs() < 0.02, "{fidelity:?}");
             println!(
                 "{name} {:16} FRE {:6.1} %, left the box at {:?}",
                 run.method, fidelity.force_rendering_error, run.left_box_at

@@ -66,7 +66,7 @@ fn an_angle_on_hulls_is_rendered_as_its_ideal_moves() {
     assert_eq!(bench.self_check().unwrap().chaotic_from, None);
     let [coupled, basic] = ["coupled", "basic"].map(|method| {
         let run = bench.run(method, &scene.renderer(method).unwrap()).unwrap();
-        run.judgement.sum.unwrap().mean_force_error
+        run.evaluation.sum.unwrap().mean_force_error
     });
     // Whether the angle has touched both.
     let ideal = bench.ideal();
@@ -75,7 +75,7 @@ fn an_angle_on_hulls_is_rendered_as_its_ideal_moves() {
         let each = ideal.encounters.iter();
         each.filter(|met| met.between.into_iter().any(with)).count()
     };
-    let balance = ideal.states.iter().map(|state| state.books.balance());
+    let balance = ideal.states.iter().map(|state| state.ledger.balance());
     let (least, most) = balance.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), now| {
         (now.min(low), now.max(high))
     });

@@ -66,7 +66,7 @@ fn run(scene: &WorldScene, bench: &WorldBench, method: &str) -> WorldRun {
 
 /// E of force and torque together, of the force, and of the torque.
 fn errors(run: &WorldRun) -> [f64; 3] {
-    let device = &run.judgement.devices[0];
+    let device = &run.evaluation.devices[0];
     let torque = device.torque.as_ref().unwrap();
     [device.sum, device.force, torque.sum].map(|it| it.unwrap().mean_force_error)
 }
@@ -81,7 +81,7 @@ fn best_damper(scene: &WorldScene, bench: &WorldBench, stiffness: f64) -> f64 {
             damping: vec![damping],
             rotational_damping: vec![damping * gyration],
         };
-        let renderer = WorldRenderer::new(&scene.world, scene.in_loop(), params).unwrap();
+        let renderer = WorldRenderer::new(&scene.world, scene.loop_params(), params).unwrap();
         errors(&bench.run("damper", &renderer).unwrap())[0]
     };
     let shares = [
@@ -111,7 +111,7 @@ fn best_coupling(scene: &WorldScene, bench: &WorldBench, stiffness: f64) -> f64 
             rotational_damping: vec![2.0 * damping * (turned * i).sqrt()],
             inertia: vec![i],
         };
-        let renderer = WorldRenderer::new(&scene.world, scene.in_loop(), params).unwrap();
+        let renderer = WorldRenderer::new(&scene.world, scene.loop_params(), params).unwrap();
         best = best.min(errors(&bench.run("coupling", &renderer).unwrap())[0]);
     }
     best
@@ -154,7 +154,7 @@ fn told_another_mass_and_inertia_forces_and_torques_are_near_the_floor() {
             println!(
                 "{name}, {words}: E {all:.2} % (force {force:.2}, torque {torque:.2}); sampled spring {basic:.0}, best \
                  damper {damper:.0}, best virtual coupling {coupling:.0}; floor {:.1}",
-                coupled.judgement.sum.unwrap().hold_floor,
+                coupled.evaluation.sum.unwrap().hold_bound,
             );
             assert!(all < largest, "{all}");
             assert!(damper.min(basic) > 5.0 * all, "{damper} {basic}");
@@ -202,11 +202,11 @@ fn with_the_device_known_forces_and_torques_are_at_the_floor() {
                 .with_prior(Prior::of_a_known_mass())
         };
         for (sub_steps, largest) in [SubSteps::default(), fine].into_iter().zip(largest) {
-            let in_loop = WorldLoop {
+            let loop_params = WorldLoop {
                 sub_steps,
-                ..scene.in_loop()
+                ..scene.loop_params()
             };
-            let renderer = WorldRenderer::new(&scene.world, in_loop, params.clone()).unwrap();
+            let renderer = WorldRenderer::new(&scene.world, loop_params, params.clone()).unwrap();
             let run = bench.run("coupled", &renderer).unwrap();
             let [all, force, torque] = errors(&run);
             println!("{name}, {sub_steps:?}: E {all:.4} % (force {force:.4}, torque {torque:.4})");
@@ -289,28 +289,28 @@ fn a_peg_that_a_hand_presses_for_a_minute_stays_in_its_hole_and_is_quiet() {
 /// The tool is a box that is pressed onto a free box on a table, with friction.
 #[test]
 fn a_box_that_is_pressed_onto_a_free_box_is_near_the_floor_and_at_it_with_the_device_known() {
-    let told = scene("box-on-box");
-    let known = known(told.clone());
-    let [[of_told, ..], [of_known, ..]] = [&told, &known].map(|scene| {
+    let model = scene("box-on-box");
+    let known = known(model.clone());
+    let [[of_model, ..], [of_known, ..]] = [&model, &known].map(|scene| {
         let bench = WorldBench::new(scene).unwrap();
         assert_eq!(bench.self_check().unwrap().chaotic_from, None);
         errors(&run(scene, &bench, "coupled"))
     });
-    let bench = WorldBench::new(&told).unwrap();
-    let [of_basic, ..] = errors(&run(&told, &bench, "basic"));
+    let bench = WorldBench::new(&model).unwrap();
+    let [of_basic, ..] = errors(&run(&model, &bench, "basic"));
     println!(
-        "box-on-box: E basic {of_basic:.1} %, coupled told wrong {of_told:.2} %, device known {of_known:.3} %"
+        "box-on-box: E basic {of_basic:.1} %, coupled told wrong {of_model:.2} %, device known {of_known:.3} %"
     );
-    assert!(of_told < 0.5 && of_known < 0.1 && of_basic > 5.0);
+    assert!(of_model < 0.5 && of_known < 0.1 && of_basic > 5.0);
 }
 
 /// A tool that is a mesh, by its shell on the distance grid of another one.
 #[test]
 fn a_plug_in_its_socket_is_rendered_as_its_ideal_moves() {
-    let told = scene("plug");
+    let model = scene("plug");
     for (words, scene, largest) in [
-        ("known", known(told.clone()), 0.3),
-        ("told wrong, in a hand", told, 1.5),
+        ("known", known(model.clone()), 0.3),
+        ("told wrong, in a hand", model, 1.5),
     ] {
         let bench = WorldBench::new(&scene).unwrap();
         let check = bench.self_check().unwrap();
@@ -328,17 +328,17 @@ fn a_plug_in_its_socket_is_rendered_as_its_ideal_moves() {
 /// The pen of a device that measures six axes and pushes along three.
 #[test]
 fn a_stylus_that_its_hand_turns_is_near_the_floor_and_at_it_with_the_device_known() {
-    let told = scene("stylus");
+    let model = scene("stylus");
     // Without a hand's spring it would turn round and round after that.
-    let mut free = known(told.clone());
+    let mut free = known(model.clone());
     free.duration = 0.15;
     // A renderer takes the device to be at rest when the loop starts.
     free.devices[0].velocity = [0.0; 3];
-    let [of_told, of_known] = [&told, &free].map(|scene| {
+    let [of_model, of_known] = [&model, &free].map(|scene| {
         let bench = WorldBench::new(scene).unwrap();
         assert_eq!(bench.self_check().unwrap().chaotic_from, None);
         let run = run(scene, &bench, "coupled");
-        let device = &run.judgement.devices[0];
+        let device = &run.evaluation.devices[0];
         assert_eq!(device.torque, None);
         let torques = run.commanded_torques.iter().flatten().flatten();
         assert!(torques.clone().count() > 0 && torques.copied().all(|x| x == 0.0));
@@ -352,12 +352,12 @@ fn a_stylus_that_its_hand_turns_is_near_the_floor_and_at_it_with_the_device_know
         assert!(run.created().abs() < 1e-3, "{}", run.created());
         device.sum.unwrap().mean_force_error
     });
-    let bench = WorldBench::new(&told).unwrap();
-    let basic = run(&told, &bench, "basic").judgement.sum.unwrap();
-    let floor = basic.hold_floor;
+    let bench = WorldBench::new(&model).unwrap();
+    let basic = run(&model, &bench, "basic").evaluation.sum.unwrap();
+    let floor = basic.hold_bound;
     let basic = basic.mean_force_error;
     println!(
-        "stylus: E basic {basic:.0} %, coupled told wrong {of_told:.2} %, device known {of_known:.3} %; floor {floor:.1}"
+        "stylus: E basic {basic:.0} %, coupled told wrong {of_model:.2} %, device known {of_known:.3} %; floor {floor:.1}"
     );
-    assert!(of_told < 1.5 && of_known < 0.2 && basic > 15.0);
+    assert!(of_model < 1.5 && of_known < 0.2 && basic > 15.0);
 }

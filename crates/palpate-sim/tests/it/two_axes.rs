@@ -150,7 +150,7 @@ fn scene(of: &str, period: f64) -> WorldScene {
 }
 
 /// A loop whose integration is as good as exact.
-fn fine(in_loop: WorldLoop) -> WorldLoop {
+fn fine(loop_params: WorldLoop) -> WorldLoop {
     WorldLoop {
         sub_steps: SubSteps {
             phase: 0.003,
@@ -158,7 +158,7 @@ fn fine(in_loop: WorldLoop) -> WorldLoop {
             refined: 100,
             ..SubSteps::default()
         },
-        ..in_loop
+        ..loop_params
     }
 }
 
@@ -176,21 +176,21 @@ fn exact(scene: &WorldScene) -> CoupledParams {
 }
 
 fn run(bench: &WorldBench, scene: &WorldScene, method: impl Into<WorldMethod>) -> WorldRun {
-    let renderer = WorldRenderer::new(&scene.world, fine(scene.in_loop()), method).unwrap();
+    let renderer = WorldRenderer::new(&scene.world, fine(scene.loop_params()), method).unwrap();
     bench.run("coupled", &renderer).unwrap()
 }
 
 fn error(run: &WorldRun) -> f64 {
-    run.judgement.sum.unwrap().mean_force_error
+    run.evaluation.sum.unwrap().mean_force_error
 }
 
 /// Returns the equivalent scene without the missing axis: with a mass along z.
 fn with_a_mass_along_z(scene: &WorldScene, mass: f64) -> WorldScene {
-    let mut told = scene.clone();
-    told.world.tools[0].axes = [true; 3];
-    told.devices[0].mass[2] = mass;
-    told.render.device_mass[0][2] = mass;
-    told
+    let mut model = scene.clone();
+    model.world.tools[0].axes = [true; 3];
+    model.devices[0].mass[2] = mass;
+    model.render.device_mass[0][2] = mass;
+    model
 }
 
 #[test]
@@ -203,32 +203,37 @@ fn with_the_device_known_each_held_force_is_the_mean_of_the_ideal_one() {
         let known = run(&bench, &scene, exact(&scene));
         let as_before = with_a_mass_along_z(&scene, 0.16);
         let before = run(&bench, &as_before, exact(&as_before));
-        let [basic, coupled, told] = [
+        let [basic, coupled, model] = [
             ("basic", scene.clone()),
             ("coupled", scene.clone()),
             ("coupled", {
-                let mut told = scene.clone();
-                told.render.device_mass[0] = told.render.device_mass[0].map(|mass| 1.5 * mass);
-                told
+                let mut model = scene.clone();
+                model.render.device_mass[0] = model.render.device_mass[0].map(|mass| 1.5 * mass);
+                model
             }),
         ]
-        .map(|(method, told)| error(&bench.run(method, &told.renderer(method).unwrap()).unwrap()));
+        .map(|(method, model)| {
+            error(&bench.run(method, &model.renderer(method).unwrap()).unwrap())
+        });
         let (known_error, before) = (error(&known), error(&before));
         println!(
             "{name}, {period} s: E known {known_error:.4} %, told a mass along z {before:.2} %; as it comes {coupled:.3} %, told 1.5 \
-             times the masses {told:.3} %, basic {basic:.0} %"
+             times the masses {model:.3} %, basic {basic:.0} %"
         );
         assert!(known_error < 0.01, "{name}: {known_error}");
         assert!(
             before > least && before > 50.0 * known_error,
             "{name}: {before}"
         );
-        assert!(coupled < 0.5 && told < 1.5 && basic > 10.0 * told, "{name}");
+        assert!(
+            coupled < 0.5 && model < 1.5 && basic > 10.0 * model,
+            "{name}"
+        );
         // No motor acts along z, and no force is evaluated there.
         assert!(known.commanded.iter().all(|forces| forces[0][2] == 0.0));
         let ideal = &bench.ideal().devices[0];
         assert!(ideal.impulses.iter().all(|impulse| impulse[2] == 0.0));
-        assert!(known.judgement.devices[0].axes[2].is_none());
+        assert!(known.evaluation.devices[0].axes[2].is_none());
         // The contact does push there.
         let states = &bench.ideal().states;
         let across = |force: &[f64; 3]| force[2].abs();

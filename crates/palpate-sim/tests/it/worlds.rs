@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout)] // what was measured
 
 use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
-use palpate_sim::world::{WorldBench, WorldRun, as_judged};
+use palpate_sim::world::{WorldBench, WorldRun, as_evaluated};
 use palpate_testbed::world::{LedPath, PlantParams};
 use palpate_world::WorldGuard;
 
@@ -61,7 +61,7 @@ fn plant(scene: &WorldScene) -> PlantParams {
 const LOOSE: f64 = 0.3;
 
 fn error(run: &WorldRun) -> f64 {
-    run.judgement.sum.unwrap().mean_force_error
+    run.evaluation.sum.unwrap().mean_force_error
 }
 
 #[test]
@@ -99,11 +99,11 @@ fn what_overlaps_at_the_start_is_not_created_by_a_held_force() {
 
 #[test]
 fn a_wrong_mass_costs_little_and_a_known_delay_too() {
-    let told = GROOVE.replace(
+    let model = GROOVE.replace(
         "[measure]",
         "[render]\ndevice_mass_kg = [0.15, 0.24, 0.375]\n[measure]",
     );
-    let ([wrong], _) = runs(&told, ["coupled"]);
+    let ([wrong], _) = runs(&model, ["coupled"]);
     let late = GROOVE.replace("period_s = 0.001", "period_s = 0.001\ndelay_s = 0.001");
     let ([late], _) = runs(&late, ["coupled"]);
     let (wrong, late) = (error(&wrong), error(&late));
@@ -212,7 +212,7 @@ fn in_the_committed_worlds_coupled_is_near_the_floor_and_at_it_with_the_masses_k
         all.map(|force| force.to_bits()).collect()
     };
     for (name, source) in committed() {
-        let ([told, basic], bench) = runs(&source, ["coupled", "basic"]);
+        let ([model, basic], bench) = runs(&source, ["coupled", "basic"]);
         let mut guarded = WorldFile::parse(&name, &source).unwrap().scene;
         assert!(matches!(guarded.render.guard, WorldGuard::Off), "{name}");
         guarded.render.guard = WorldGuard::Limit(usual_guard());
@@ -225,12 +225,12 @@ fn in_the_committed_worlds_coupled_is_near_the_floor_and_at_it_with_the_masses_k
         let known = WorldFile::parse(&name, &known.join("\n")).unwrap().scene;
         let renderer = known.renderer("coupled").unwrap();
         // The ideal has neither sensor nor model mass.
-        let alone = WorldBench::of(as_judged(&known), plant(&known), bench.ideal().clone());
+        let alone = WorldBench::of(as_evaluated(&known), plant(&known), bench.ideal().clone());
         let known = alone.run("coupled", &renderer).unwrap();
         println!(
             "{name}: E basic {:.1} %, coupled told 1.5 times the mass {:.3} %, told the mass {:.3} %",
             error(&basic),
-            error(&told),
+            error(&model),
             error(&known)
         );
         let most = match &*name {
@@ -239,11 +239,11 @@ fn in_the_committed_worlds_coupled_is_near_the_floor_and_at_it_with_the_masses_k
             "bumpy-13k" | "bumpy-99k" => 0.2,
             _ => 0.1,
         };
-        assert!(error(&told) < 1.0 && error(&known) < most, "{name}");
+        assert!(error(&model) < 1.0 && error(&known) < most, "{name}");
         assert!(error(&basic) > 5.0, "{name}");
         assert_eq!(bench.self_check().unwrap().chaotic_from, None, "{name}");
         assert_eq!(guarded.guarded, 0, "{name}");
-        assert_eq!(bits(&told), bits(&guarded), "{name}");
+        assert_eq!(bits(&model), bits(&guarded), "{name}");
     }
 }
 
@@ -286,11 +286,11 @@ fn a_probe_in_a_pocket_does_not_pop_through_its_thin_wall() {
 
 /// E of a scene of `experiments/worlds`, whose file tells half as much again as the mass: with the device and its hand known,
 /// which is a constant force then, and a perfect sensor; and as its file has it.
-fn known_and_told(name: &str) -> [f64; 2] {
+fn known_and_model(name: &str) -> [f64; 2] {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/worlds/");
-    let told = std::fs::read_to_string(format!("{path}{name}.toml")).unwrap();
-    let known = known(&told);
-    let each = [known, told].map(|source| {
+    let model = std::fs::read_to_string(format!("{path}{name}.toml")).unwrap();
+    let known = known(&model);
+    let each = [known, model].map(|source| {
         let ([run], bench) = runs(&source, ["coupled"]);
         assert_eq!(bench.self_check().unwrap().chaotic_from, None);
         error(&run)
@@ -303,7 +303,7 @@ fn known_and_told(name: &str) -> [f64; 2] {
 }
 
 /// The scene without what the renderer does not know.
-fn known(told: &str) -> String {
+fn known(model: &str) -> String {
     let of_file = [
         "device_mass",
         "quantum",
@@ -312,8 +312,8 @@ fn known(told: &str) -> String {
         "hand_rest",
     ];
     let kept = |line: &&str| !of_file.iter().any(|key| line.starts_with(key));
-    let known: Vec<&str> = told.lines().filter(kept).collect();
-    assert_eq!(known.len() + of_file.len(), told.lines().count());
+    let known: Vec<&str> = model.lines().filter(kept).collect();
+    assert_eq!(known.len() + of_file.len(), model.lines().count());
     known.join("\n")
 }
 
@@ -338,34 +338,34 @@ fn several_spheres_of_a_tool_touch_a_mesh_that_moves() {
 
 #[test]
 fn a_mesh_that_moves_is_rendered_as_its_ideal_moves() {
-    let [known, told] = known_and_told("knob");
-    assert!(known < 0.1 && told < 1.0, "{known} {told}");
+    let [known, model] = known_and_model("knob");
+    assert!(known < 0.1 && model < 1.0, "{known} {model}");
 }
 
 #[test]
 fn a_hull_is_rendered_as_its_ideal_moves() {
     for name in ["gem", "cairn"] {
-        let [known, told] = known_and_told(name);
-        assert!(known < 0.1 && told < 1.0, "{known} {told}");
+        let [known, model] = known_and_model(name);
+        assert!(known < 0.1 && model < 1.0, "{known} {model}");
     }
 }
 
 #[test]
 fn capsules_on_a_box_on_each_other_and_on_a_hull_are_rendered_as_their_ideal_moves() {
-    let [known, told] = known_and_told("logs");
-    assert!(known < 0.1 && told < 1.0, "{known} {told}");
+    let [known, model] = known_and_model("logs");
+    assert!(known < 0.1 && model < 1.0, "{known} {model}");
 }
 
 #[test]
 fn cylinders_on_a_box_and_on_each_other_are_rendered_as_their_ideal_moves() {
-    let [known, told] = known_and_told("cans");
-    assert!(known < LOOSE && told < 1.0, "{known} {told}");
+    let [known, model] = known_and_model("cans");
+    assert!(known < LOOSE && model < 1.0, "{known} {model}");
 }
 
 #[test]
 fn points_on_a_grid_of_distances_are_rendered_as_their_ideal_moves() {
-    let [known, told] = known_and_told("angle");
-    assert!(known < 0.1 && told < 1.0, "{known} {told}");
+    let [known, model] = known_and_model("angle");
+    assert!(known < 0.1 && model < 1.0, "{known} {model}");
 }
 
 /// Of two meshes that both have a shell and a grid, the smaller one provides the points, in the renderer and in the

@@ -106,7 +106,7 @@ pub struct ContactReport {
     /// Change of the spring force per encoder count.
     pub force_per_count_n: f64,
     /// Zero-order-hold bound: minimum FRE of any held force, median over the start heights `[%]`.
-    pub hold_floor_percent: f64,
+    pub hold_bound_percent: f64,
 }
 
 /// The verdict and the method that it is based on.
@@ -170,9 +170,9 @@ pub struct MethodAdvice {
     /// Name of the method.
     pub method: &'static str,
     /// Result with the default settings of the method.
-    pub by_itself: Option<Judged>,
+    pub by_itself: Option<Evaluated>,
     /// Result with the best of the tried dampings.
-    pub tuned: Option<Judged>,
+    pub tuned: Option<Evaluated>,
     /// Maximum stiffness of a stable contact `[N/m]`.
     pub stiffest_n_per_m: Reach,
     /// Minimum mass of a stable object `[kg]`; none if no contact was requested.
@@ -182,7 +182,7 @@ pub struct MethodAdvice {
 /// Evaluation of a method on the requested contact.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
-pub struct Judged {
+pub struct Evaluated {
     /// The damping B, b or cap that was set; none if the method chose it.
     pub damping_n_s_per_m: Option<f64>,
     /// `stable`, `growing` or `diverged`.
@@ -278,10 +278,10 @@ impl Advice {
                 delay_samples: delay.whole_samples(),
                 delay_fraction: delay.fraction(),
                 lag_s: bounce.lag,
-                delay_deviation_s: bounce.told.delay_deviation.unwrap_or(0.0),
-                lag_deviation_s: bounce.told.lag_deviation.unwrap_or(0.0),
-                gain_deviation: bounce.told.gain_deviation.unwrap_or(0.0),
-                sensor_noise_m: bounce.told.sensor_noise.unwrap_or(0.0),
+                delay_deviation_s: bounce.model.delay_deviation.unwrap_or(0.0),
+                lag_deviation_s: bounce.model.lag_deviation.unwrap_or(0.0),
+                gain_deviation: bounce.model.gain_deviation.unwrap_or(0.0),
+                sensor_noise_m: bounce.model.sensor_noise.unwrap_or(0.0),
                 stiffest_by_resonance_n_per_m: None,
                 object_mass_kg: Some(bounce.object_mass).filter(|mass| mass.is_finite()),
                 gap_m: bounce.gap,
@@ -310,13 +310,13 @@ impl Advice {
         };
         advice.methods = methods.par_iter().map(limits).collect::<Result<_, _>>()?;
         if asked {
-            advice.judge(bounce, methods)?;
+            advice.evaluate(bounce, methods)?;
         }
         Ok(advice)
     }
 
     /// Evaluates the requested contact.
-    fn judge(&mut self, bounce: &Bounce, methods: &[MethodName]) -> Result<(), BounceError> {
+    fn evaluate(&mut self, bounce: &Bounce, methods: &[MethodName]) -> Result<(), BounceError> {
         let impedance = bounce.stiffness * bounce.period;
         let mut trials: Vec<Trial> = Vec::new();
         for method in methods {
@@ -326,34 +326,35 @@ impl Advice {
             }
         }
         let settings: Vec<_> = trials.iter().map(|(m, s, _)| (*m, *s)).collect();
-        let (entries, _) = bounce.judge(Plant::Damped, &settings)?;
-        let judge = |((method, settings, damping), entry): (&Trial, &Entry)| {
+        let (entries, _) = bounce.evaluate(Plant::Damped, &settings)?;
+        let reference = |((method, settings, damping), entry): (&Trial, &Entry)| {
             // Bounces that gain energy rule a method out, so its contact at rest is not simulated.
             let stay = match entry.class() {
                 Class::Stable => Some(bounce.stay(*method, *settings)?.0),
                 Class::Growing | Class::Diverged => None,
             };
-            Ok((*method, Judged::of(entry, *damping, stay)))
+            Ok((*method, Evaluated::of(entry, *damping, stay)))
         };
-        let trials = trials.par_iter().zip(&entries).map(judge);
-        let judged: Vec<(MethodName, Judged)> = trials.collect::<Result<_, BounceError>>()?;
+        let trials = trials.par_iter().zip(&entries).map(reference);
+        let evaluated: Vec<(MethodName, Evaluated)> = trials.collect::<Result<_, BounceError>>()?;
         for advice in &mut self.methods {
-            let of_method = judged.iter().filter(|(m, _)| m.name() == advice.method);
-            let (tuned, by_itself): (Vec<Judged>, Vec<Judged>) = of_method
-                .map(|(_, judged)| *judged)
-                .partition(|judged| judged.damping_n_s_per_m.is_some());
+            let of_method = evaluated.iter().filter(|(m, _)| m.name() == advice.method);
+            let (tuned, by_itself): (Vec<Evaluated>, Vec<Evaluated>) = of_method
+                .map(|(_, evaluated)| *evaluated)
+                .partition(|evaluated| evaluated.damping_n_s_per_m.is_some());
             advice.by_itself = by_itself.first().copied();
-            advice.tuned = best(tuned.iter().map(|judged| (advice.method, *judged))).map(|b| b.1);
+            advice.tuned =
+                best(tuned.iter().map(|evaluated| (advice.method, *evaluated))).map(|b| b.1);
         }
-        let (period, floor) = (bounce.period, entries[0].hold_floor.median);
+        let (period, floor) = (bounce.period, entries[0].hold_bound.median);
         self.contact = Some(ContactReport {
             stiffness_n_per_m: bounce.stiffness,
             kappa: bounce.stiffness * period * period / bounce.device.mass,
             object_kappa: bounce.stiffness * period * period / bounce.object_mass,
             force_per_count_n: bounce.stiffness * bounce.device.encoder_quantum,
-            hold_floor_percent: floor,
+            hold_bound_percent: floor,
         });
-        if let Some((method, found)) = recommended(judged.iter().map(|(m, j)| (m.name(), *j))) {
+        if let Some((method, found)) = recommended(evaluated.iter().map(|(m, j)| (m.name(), *j))) {
             let damping_n_s_per_m = found.damping_n_s_per_m;
             let stable = found.rank.0 == Class::Stable;
             self.verdict = match found.stay {
@@ -386,22 +387,22 @@ impl Advice {
 
     /// Returns the evaluation that the verdict is based on.
     #[must_use]
-    pub fn chosen(&self) -> Option<(&'static str, Judged)> {
-        recommended(self.judged())
+    pub fn chosen(&self) -> Option<(&'static str, Evaluated)> {
+        recommended(self.evaluated())
     }
 
     /// Returns the evaluation nearest to the ideal, if it is not the chosen one.
     #[must_use]
-    pub fn nearer(&self) -> Option<(&'static str, Judged)> {
+    pub fn nearer(&self) -> Option<(&'static str, Evaluated)> {
         let (_, chosen) = self.chosen()?;
-        best(self.judged())
-            .filter(|(_, judged)| judged.is_faithful() && judged.rank.1 < chosen.rank.1)
+        best(self.evaluated())
+            .filter(|(_, evaluated)| evaluated.is_faithful() && evaluated.rank.1 < chosen.rank.1)
     }
 
-    fn judged(&self) -> impl Iterator<Item = (&'static str, Judged)> + Clone {
+    fn evaluated(&self) -> impl Iterator<Item = (&'static str, Evaluated)> + Clone {
         self.methods.iter().flat_map(|advice| {
-            let judged = advice.by_itself.iter().chain(&advice.tuned);
-            judged.map(|judged| (advice.method, *judged))
+            let evaluated = advice.by_itself.iter().chain(&advice.tuned);
+            evaluated.map(|evaluated| (advice.method, *evaluated))
         })
     }
 }
@@ -409,19 +410,21 @@ impl Advice {
 /// Returns coupled rendering with its defaults if it is faithful, because it needs no tuning and is also valid away
 /// from this scene. Otherwise returns the best method.
 fn recommended(
-    judged: impl Iterator<Item = (&'static str, Judged)> + Clone,
-) -> Option<(&'static str, Judged)> {
+    evaluated: impl Iterator<Item = (&'static str, Evaluated)> + Clone,
+) -> Option<(&'static str, Evaluated)> {
     let coupled = MethodName::Coupled.name();
-    let mut by_itself = judged.clone().filter(|(method, _)| *method == coupled);
+    let mut by_itself = evaluated.clone().filter(|(method, _)| *method == coupled);
     by_itself
-        .find(|(_, judged)| judged.is_faithful())
-        .or_else(|| best(judged))
+        .find(|(_, evaluated)| evaluated.is_faithful())
+        .or_else(|| best(evaluated))
 }
 
 /// Returns the most stable evaluation; ties go to one that is steady at rest and pressed, then to the lowest error
 /// from the worst start height.
-fn best(judged: impl Iterator<Item = (&'static str, Judged)>) -> Option<(&'static str, Judged)> {
-    judged.min_by(|(_, a), (_, b)| {
+fn best(
+    evaluated: impl Iterator<Item = (&'static str, Evaluated)>,
+) -> Option<(&'static str, Evaluated)> {
+    evaluated.min_by(|(_, a), (_, b)| {
         (a.rank.0.cmp(&b.rank.0))
             .then(b.is_steady().cmp(&a.is_steady()))
             .then(a.rank.1.total_cmp(&b.rank.1))
@@ -448,7 +451,7 @@ fn dampings(method: MethodName, impedance: f64) -> Vec<(Settings, f64)> {
         .collect()
 }
 
-impl Judged {
+impl Evaluated {
     fn of(entry: &Entry, damping: Option<f64>, stay: Option<Stay>) -> Self {
         let finite = |value: f64| Some(value).filter(|value| value.is_finite());
         let class = entry.class();
@@ -469,7 +472,7 @@ impl Judged {
     }
 }
 
-impl Judged {
+impl Evaluated {
     /// Whether it is stable with a small error from every start height, and steady.
     fn is_faithful(&self) -> bool {
         self.rank.0 == Class::Stable && self.rank.1 < FAITHFUL_PERCENT && self.is_steady()

@@ -1,7 +1,7 @@
 //! Input of an advice.
 
 use palpate_calibrate::{Calibration, Quantity};
-use palpate_scene::Told;
+use palpate_scene::Model;
 
 use crate::calibrated;
 use crate::map::{Bounce, BounceDevice, MapParams, SEARCHED};
@@ -53,7 +53,7 @@ impl Question<'_> {
                 viscous_friction: self.viscous_friction,
                 coulomb_friction: self.coulomb_friction,
                 encoder_quantum: self.encoder_quantum.or(quantum).unwrap_or(0.0),
-                told_mass: 1.0,
+                model_mass: 1.0,
             },
             stiffness: self
                 .stiffness
@@ -62,15 +62,15 @@ impl Question<'_> {
             forces: defaults.forces,
             gap: defaults.gap,
             period: self.period,
-            told_period: 1.0,
+            model_period: 1.0,
             delay: self.delay.or(delay).unwrap_or(0.0),
             lag: self.lag.or(known(Quantity::Lag)).unwrap_or(0.0),
-            told: self.deviations(),
+            model: self.deviations(),
         })
     }
 
     /// Returns the deviations of the renderer's model: a stated value uses only a stated deviation.
-    fn deviations(&self) -> Told {
+    fn deviations(&self) -> Model {
         let taken = |quantity: Quantity| match quantity {
             Quantity::Delay | Quantity::DelayPlusLag => self.delay.is_none(),
             Quantity::Lag => self.lag.is_none(),
@@ -80,7 +80,7 @@ impl Question<'_> {
         let of_file = self.file.map(|file| calibrated::deviations(file, taken));
         let of_file = of_file.unwrap_or_default();
         let stated = self.delay_deviation.map(|periods| periods * self.period);
-        Told {
+        Model {
             delay_deviation: stated.or(of_file.delay_deviation),
             lag_deviation: self.lag_deviation.or(of_file.lag_deviation),
             ..of_file
@@ -135,22 +135,22 @@ mod tests {
         file.set(Quantity::CommandJitter, Known::given(1.5e-5, "given"));
         file.set(Quantity::Gain, Known::found(2.0, 0.1, "a spring"));
         file.set(Quantity::SensorNoise, Known::given(4e-6, "given"));
-        let told = asked(&file).bounce().unwrap().told;
-        assert_eq!(told.delay_deviation, Some(2.5e-5));
+        let model = asked(&file).bounce().unwrap().model;
+        assert_eq!(model.delay_deviation, Some(2.5e-5));
         assert_eq!(
-            (told.lag_deviation, told.gain_deviation),
+            (model.lag_deviation, model.gain_deviation),
             (None, Some(0.05))
         );
-        assert_eq!((told.delay, told.gain), (None, None));
-        assert_eq!(told.sensor_noise, Some(4e-6));
+        assert_eq!((model.delay, model.gain), (None, None));
+        assert_eq!(model.sensor_noise, Some(4e-6));
         let other = Question {
             delay: Some(2.0),
             lag_deviation: Some(1e-5),
             ..asked(&file)
         };
-        let told = other.bounce().unwrap().told;
-        assert_eq!(told.delay_deviation, None);
-        assert_eq!(told.lag_deviation, Some(1e-5));
+        let model = other.bounce().unwrap().model;
+        assert_eq!(model.delay_deviation, None);
+        assert_eq!(model.lag_deviation, Some(1e-5));
         // The sum is ignored once the delay itself is known.
         file.set(Quantity::Delay, Known::given(1e-3, "given"));
         assert_eq!(asked(&file).bounce().unwrap().delay, 1.0);

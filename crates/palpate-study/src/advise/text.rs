@@ -5,7 +5,7 @@ use std::fmt;
 use crate::map::{PRESSED_WITH, RESTS_BELOW};
 use comfy_table::{Cell, CellAlignment};
 
-use super::{Advice, FAITHFUL_PERCENT, Judged, Reach, Verdict};
+use super::{Advice, Evaluated, FAITHFUL_PERCENT, Reach, Verdict};
 use crate::text::{E, counted, digits, legend, lines, number, percent, plain_table, wrapped};
 
 impl fmt::Display for Advice {
@@ -48,7 +48,7 @@ impl Advice {
         );
         let error = self
             .chosen()
-            .and_then(|(_, judged)| judged.error_percent[1])
+            .and_then(|(_, evaluated)| evaluated.error_percent[1])
             .map_or_else(|| "-".into(), percent);
         let mut answer = match self.verdict {
             Verdict::Yes {
@@ -139,9 +139,9 @@ impl Advice {
         }
         answer.push_str(&format!(
             " Within the {} s for which a force is held, the ideal force \
-             goes on changing: no held force comes nearer to it than the hold floor, {} %.",
+             goes on changing: no held force comes nearer to it than the hold bound, {} %.",
             self.device.period_s,
-            percent(contact.hold_floor_percent)
+            percent(contact.hold_bound_percent)
         ));
         answer
     }
@@ -277,12 +277,12 @@ impl Advice {
         let mut table = plain_table(CellAlignment::Left, &header);
         for advice in &self.methods {
             let tuned = advice.tuned.as_ref();
-            for (name, judged) in [
+            for (name, evaluated) in [
                 (advice.method.to_owned(), advice.by_itself.as_ref()),
                 ("  tuned".to_owned(), tuned),
             ] {
-                if let Some(judged) = judged {
-                    table.add_row(row(name, judged));
+                if let Some(evaluated) = evaluated {
+                    table.add_row(row(name, evaluated));
                 }
             }
         }
@@ -323,7 +323,7 @@ impl Advice {
              Abbott-Okamura {}. An undamped device on a wall with its best virtual damper, {} N s/m: {} \
              N/m. All of these are for the friction of the device alone; \"tuned\" tries {} dampings on \
              this very scene. Stiffest and lightest are limits of stability alone: the force is far \
-             from the ideal's before. Faithful is a mean-force error E below {} %, and a hold floor below it; resting and \
+             from the ideal's before. Faithful is a mean-force error E below {} %, and a hold bound below it; resting and \
              pressed are the standard deviation of the force over what presses; a dash there: the bounce is not \
              stable, or the contact is lost or diverges. A dash elsewhere: not even kappa or Kc = 1e-4.",
             without(bounds.colgate_schenkel_n_per_m),
@@ -344,18 +344,18 @@ fn with_damping(method: &str, damping: Option<f64>) -> String {
     }
 }
 
-fn row(name: String, judged: &Judged) -> Vec<Cell> {
+fn row(name: String, evaluated: &Evaluated) -> Vec<Cell> {
     let growth = |value: Option<f64>| number(value, |growth| format!("{growth:.3}"));
     vec![
         Cell::new(name),
-        number(judged.damping_n_s_per_m, digits),
-        Cell::new(judged.class),
-        growth(judged.growth[0]),
-        growth(judged.growth[1]),
-        number(judged.error_percent[0], percent),
-        number(judged.error_percent[1], percent),
-        number(judged.resting_swing, |swing| percent(100.0 * swing)),
-        number(judged.pressed_swing, |swing| percent(100.0 * swing)),
+        number(evaluated.damping_n_s_per_m, digits),
+        Cell::new(evaluated.class),
+        growth(evaluated.growth[0]),
+        growth(evaluated.growth[1]),
+        number(evaluated.error_percent[0], percent),
+        number(evaluated.error_percent[1], percent),
+        number(evaluated.resting_swing, |swing| percent(100.0 * swing)),
+        number(evaluated.pressed_swing, |swing| percent(100.0 * swing)),
     ]
 }
 

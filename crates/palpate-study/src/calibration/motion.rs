@@ -4,10 +4,10 @@ use palpate_calibrate::{Excitation, ExcitationError, ExcitationParams, Known, Ph
 
 /// Maximum relative deviation of the mean sampling time from the period. The relative error of the mass is twice as
 /// large.
-const MOST_DRIFT: f64 = 0.002;
+const MAX_DRIFT: f64 = 0.002;
 /// Maximum standard deviation of the sampling time relative to the period. At 0.1 the errors of delay and lag are
 /// five of their standard deviations, at 0.05 one.
-const MOST_JITTER: f64 = 0.05;
+const MAX_JITTER: f64 = 0.05;
 
 /// An excitation and its samples so far.
 #[derive(Clone, Debug)]
@@ -122,21 +122,21 @@ impl ExcitedMotion {
         let period = self.excitation.params().period;
         let count = (self.times.len() - 1) as f64;
         let mean = (self.times.last()? - self.times.first()?) / count;
-        if (mean / period - 1.0).abs() > MOST_DRIFT {
+        if (mean / period - 1.0).abs() > MAX_DRIFT {
             return Some(format!(
                 "the samples came every {:.4} ms and --period says {:.4} ms, where {:.1} % apart are allowed: the mass would \
                  be wrong by twice that; run the loop at its period, or give --period {mean:.4e}",
                 mean * 1e3,
                 period * 1e3,
-                MOST_DRIFT * 1e2
+                MAX_DRIFT * 1e2
             ));
         }
-        (jitter > MOST_JITTER * period).then(|| {
+        (jitter > MAX_JITTER * period).then(|| {
             format!(
                 "the times between samples vary by {:.0} % of the period (standard deviation), where {:.0} % are allowed: \
                  run the loop more evenly",
                 jitter / period * 1e2,
-                MOST_JITTER * 1e2
+                MAX_JITTER * 1e2
             )
         })
     }

@@ -154,7 +154,7 @@ fn of_recording(card: &Card, sources: &Sources<'_>, number: usize, ticks: &Ticks
         } else {
             format!("{name}: the motors were on all the time")
         },
-        "`palpate info` names the event that tripped the safety; a slower hand, a softer contact, or another limit \
+        "`palpate info` names the event that stopped the safety; a slower hand, a softer contact, or another limit \
          (--safe-force, --safe-speed, --oscillation) where the device allows it",
     ));
     checks.push(check(
@@ -175,25 +175,25 @@ fn delay(card: &Card, sources: &Sources<'_>) -> Check {
     let Some(period) = device.value("period_s") else {
         return not_checked(NAME, "the period of the loop is not known");
     };
-    let told = sources
+    let model = sources
         .recordings
         .first()
-        .map(crate::recording::report::told);
-    let told_delay = told
+        .map(crate::recording::report::model);
+    let model_delay = model
         .as_ref()
-        .and_then(|told| Some(told.get("delay_s")? + told.get("lag_s").copied().unwrap_or(0.0)));
+        .and_then(|model| Some(model.get("delay_s")? + model.get("lag_s").copied().unwrap_or(0.0)));
     let found = sources.device_file.and_then(|(_, calibration)| {
         let together = calibration.delay_plus_lag();
         together.or_else(|| calibration.value(Quantity::Delay))
     });
     let ms = |seconds: f64| digits(1e3 * seconds);
-    match (told_delay, found) {
-        (Some(told), Some(found)) => check(
+    match (model_delay, found) {
+        (Some(model), Some(found)) => check(
             NAME,
-            (told - found).abs() > DELAY * period,
+            (model - found).abs() > DELAY * period,
             format!(
                 "the recorded loop was told {} ms of delay and lag, and the device file says {} ms, {} periods",
-                ms(told),
+                ms(model),
                 ms(found),
                 digits(found / period)
             ),
@@ -207,16 +207,16 @@ fn delay(card: &Card, sources: &Sources<'_>) -> Check {
                 .into(),
             remedy: None,
         },
-        (Some(told), None) => check(
+        (Some(model), None) => check(
             NAME,
-            told == 0.0,
-            if told == 0.0 {
+            model == 0.0,
+            if model == 0.0 {
                 "the recorded loop was told of no delay and no lag, and nobody has measured them"
                     .to_owned()
             } else {
                 format!(
                     "the recorded loop was told {} ms of delay and lag; no device file says whether that is so",
-                    ms(told)
+                    ms(model)
                 )
             },
             "`palpate calibrate` measures them and writes a device file; record with --device-file",

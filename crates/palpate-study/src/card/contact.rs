@@ -3,7 +3,7 @@
 use super::file_name;
 use palpate_record::recording::{Flags, Recording, Row};
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, SceneFile, Told};
+use palpate_scene::{Model, Scene, SceneFile};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::{Reference, Run};
@@ -18,7 +18,7 @@ use crate::text::digits;
 const LONGEST: f64 = 1.0;
 /// Drawn time before and after a contact: share of its duration, and minimum number of periods.
 const MARGIN: f64 = 0.1;
-const LEAST_MARGIN: f64 = 5.0;
+const MIN_MARGIN: f64 = 5.0;
 /// Maximum number of points of a curve.
 const POINTS: usize = 800;
 /// Force of the hand that presses a simulated wall `[N]`, and its initial distance from the wall `[m]`.
@@ -49,7 +49,7 @@ pub struct ContactCard {
     /// E, the avoidable part of the error `[%]`.
     pub mean_force_error_percent: Option<f64>,
     /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
-    pub hold_floor_percent: Option<f64>,
+    pub hold_bound_percent: Option<f64>,
     /// Strongest held force `[N]`.
     pub peak_force_n: f64,
     /// Deepest penetration `[m]`.
@@ -133,7 +133,7 @@ impl ContactCard {
             recorded_peak_force_n: Some(peak),
             is_recorded: true,
             begins_s: times[0],
-            ..Self::judged(source, scene, scene.method, (&run, replay.reference()))
+            ..Self::evaluated(source, scene, scene.method, (&run, replay.reference()))
         })
     }
 
@@ -143,7 +143,7 @@ impl ContactCard {
     /// The reason as text.
     pub(super) fn simulated(
         device: &DeviceCard,
-        deviations: &Told,
+        deviations: &Model,
         stiffness: f64,
     ) -> Result<Self, String> {
         let value = |key| device.value(key);
@@ -191,7 +191,7 @@ method = "coupled"
         );
         let file = SceneFile::parse("the simulated contact", &text);
         let mut scene = file.map_err(|error| error.to_string())?.scene;
-        scene.told = *deviations;
+        scene.model = *deviations;
         let method = MethodName::Coupled;
         let bench = Bench::new(&scene).map_err(|error| error.to_string())?;
         let run = bench.run(method).map_err(|error| error.to_string())?;
@@ -201,7 +201,7 @@ method = "coupled"
             digits(hand),
             1e3 * FROM
         );
-        Ok(Self::judged(
+        Ok(Self::evaluated(
             source,
             &scene,
             method,
@@ -209,7 +209,7 @@ method = "coupled"
         ))
     }
 
-    fn judged(
+    fn evaluated(
         source: String,
         scene: &Scene,
         method: MethodName,
@@ -248,7 +248,7 @@ method = "coupled"
             lasts_s: run.last().time - times.first().copied().unwrap_or(0.0),
             force_rendering_error_percent: fidelity.map(|f| f.force_rendering_error),
             mean_force_error_percent: fidelity.map(|f| f.mean_force_error),
-            hold_floor_percent: fidelity.map(|f| f.hold_floor),
+            hold_bound_percent: fidelity.map(|f| f.hold_bound),
             peak_force_n: run.force.peak_force,
             deepest_penetration_m: deepest.fold(0.0, f64::max),
             leak_held_j: run.last().ledger.held_leak.accumulated,
@@ -319,7 +319,7 @@ fn strongest(ticks: &[Row], period: f64) -> Option<&[Row]> {
     }
     let (_, from, to) = best?;
     let lasts = ticks[to - 1].tick.time - ticks[from].tick.time;
-    let margin = (MARGIN * lasts).max(LEAST_MARGIN * period);
+    let margin = (MARGIN * lasts).max(MIN_MARGIN * period);
     let (earliest, latest) = (
         ticks[from].tick.time - margin,
         ticks[to - 1].tick.time + margin,

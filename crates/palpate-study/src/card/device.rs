@@ -6,7 +6,7 @@ use palpate_record::recording::Recording;
 use serde::Serialize;
 
 use super::{CardError, Sources};
-use crate::recording::report::told;
+use crate::recording::report::model;
 use crate::recording::scene_of;
 
 /// Name of the simulated device in metadata.
@@ -48,14 +48,14 @@ pub struct NumberCard {
 }
 
 /// Metadata of a recording on its device.
-struct Receipt<'a> {
+struct RecordingMetadata<'a> {
     recording: &'a Recording,
     device: toml::Table,
 }
 
-impl<'a> Receipt<'a> {
+impl<'a> RecordingMetadata<'a> {
     fn of(recording: &'a Recording) -> Self {
-        let text = recording.receipt.texts.get("device");
+        let text = recording.metadata.texts.get("device");
         let device = text.and_then(|text| text.parse().ok()).unwrap_or_default();
         Self { recording, device }
     }
@@ -87,14 +87,18 @@ impl<'a> Receipt<'a> {
 impl DeviceCard {
     /// Creates the device that all sources describe.
     pub(super) fn of(sources: &Sources<'_>) -> Result<Self, CardError> {
-        let receipts: Vec<Receipt<'_>> = sources.recordings.iter().map(Receipt::of).collect();
-        refuse_several(&receipts)?;
-        let first = receipts.first();
-        let named = first.and_then(|receipt| receipt.name());
+        let metadata: Vec<RecordingMetadata<'_>> = sources
+            .recordings
+            .iter()
+            .map(RecordingMetadata::of)
+            .collect();
+        refuse_several(&metadata)?;
+        let first = metadata.first();
+        let named = first.and_then(|metadata| metadata.name());
         let (name, name_from) = match (sources.name, named, sources.device_file) {
             (Some(name), ..) => (name.to_owned(), "--name".to_owned()),
             (None, Some(name), _) => {
-                let path = first.map(|receipt| file_name(receipt.recording.path()));
+                let path = first.map(|metadata| file_name(metadata.recording.path()));
                 (name.to_owned(), path.unwrap_or_default())
             }
             (None, None, Some((path, _))) => (format!("device of {path}"), path.to_owned()),
@@ -112,12 +116,12 @@ impl DeviceCard {
                 source: format!("device file {path}"),
             })
         };
-        let told_to = |key: &'static str| {
-            let receipt = first?;
-            let value = *told(receipt.recording).get(key)?;
-            receipt.said(key, value, "what the renderer was told in")
+        let model_value = |key: &'static str| {
+            let metadata = first?;
+            let value = *model(metadata.recording).get(key)?;
+            metadata.said(key, value, "what the renderer was told in")
         };
-        let scene = first.and_then(|receipt| scene_of(receipt.recording).ok());
+        let scene = first.and_then(|metadata| scene_of(metadata.recording).ok());
         let scene = scene.map(|file| file.scene);
         let period_of_scene = || {
             let period = scene.as_ref()?.loop_params.period;
@@ -133,7 +137,7 @@ impl DeviceCard {
             })
             .or_else(period_of_scene)
             .or_else(|| of_file(Quantity::Period)));
-        put(of_file(Quantity::DeviceMass).or_else(|| told_to("device_mass_kg")));
+        put(of_file(Quantity::DeviceMass).or_else(|| model_value("device_mass_kg")));
         let delay = of_file(Quantity::Delay).or_else(|| {
             // If only the sum of delay and lag is known, the sum is the better delay.
             Some(NumberCard {
@@ -142,9 +146,9 @@ impl DeviceCard {
             })
         });
         let of_a_file = delay.is_some();
-        put(delay.or_else(|| told_to("delay_s")));
-        put(of_file(Quantity::Lag).or_else(|| told_to("lag_s").filter(|_| !of_a_file)));
-        put(of_file(Quantity::Gain).or_else(|| told_to("gain")));
+        put(delay.or_else(|| model_value("delay_s")));
+        put(of_file(Quantity::Lag).or_else(|| model_value("lag_s").filter(|_| !of_a_file)));
+        put(of_file(Quantity::Gain).or_else(|| model_value("gain")));
         let is_simulated = named == Some(SIMULATED);
         let simulated = |key: &'static str, value: fn(&palpate_scene::SceneDevice) -> f64| {
             let scene = scene.as_ref().filter(|_| is_simulated)?;
@@ -168,8 +172,8 @@ impl DeviceCard {
                 })
             }));
         put(of_file(Quantity::Resonance));
-        put(first.and_then(|receipt| receipt.number("largest_force_n", "largest_force_n")));
-        let holds = first.and_then(|receipt| receipt.device.get("holds_last_force")?.as_bool());
+        put(first.and_then(|metadata| metadata.number("largest_force_n", "largest_force_n")));
+        let holds = first.and_then(|metadata| metadata.device.get("holds_last_force")?.as_bool());
         Ok(Self {
             name,
             name_from,
@@ -193,10 +197,10 @@ impl DeviceCard {
     }
 }
 
-fn refuse_several(receipts: &[Receipt<'_>]) -> Result<(), CardError> {
-    let mut named = receipts
+fn refuse_several(metadata: &[RecordingMetadata<'_>]) -> Result<(), CardError> {
+    let mut named = metadata
         .iter()
-        .filter_map(|receipt| Some((file_name(receipt.recording.path()), receipt.name()?)));
+        .filter_map(|metadata| Some((file_name(metadata.recording.path()), metadata.name()?)));
     let Some((first, of_first)) = named.next() else {
         return Ok(());
     };

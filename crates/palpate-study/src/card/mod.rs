@@ -15,7 +15,7 @@ mod timing;
 
 use palpate_calibrate::Calibration;
 use palpate_record::recording::{Recording, RecordingError};
-use palpate_scene::Told;
+use palpate_scene::Model;
 use palpate_scene::method::MethodName;
 use serde::Serialize;
 
@@ -39,7 +39,7 @@ const FORMAT: &str = "palpate card 1";
 const USUAL_STIFFNESS: f64 = 1000.0;
 
 /// Maximum number of recordings of a report.
-pub const MOST_RECORDINGS: usize = 3;
+pub const MAX_RECORDINGS: usize = 3;
 
 /// Report on a device, from real data with their sources.
 #[derive(Debug, Serialize)]
@@ -219,19 +219,19 @@ impl Card {
 }
 
 /// Returns the deviations of the renderer's model from the device file, or else from the first recording.
-fn deviations(sources: &Sources<'_>) -> Told {
+fn deviations(sources: &Sources<'_>) -> Model {
     if let Some((_, calibration)) = sources.device_file {
         return calibrated::deviations(calibration, |_| true);
     }
-    let told = sources.recordings.first().map(recording::report::told);
-    let told = told.unwrap_or_default();
-    let value = |key: &str| told.get(key).copied();
+    let model = sources.recordings.first().map(recording::report::model);
+    let model = model.unwrap_or_default();
+    let value = |key: &str| model.get(key).copied();
     let gain = value("gain").unwrap_or(1.0);
-    Told {
+    Model {
         delay_deviation: value("delay_deviation_s"),
         lag_deviation: value("lag_deviation_s"),
         gain_deviation: value("gain_deviation").map(|deviation| deviation / gain),
-        ..Told::default()
+        ..Model::default()
     }
 }
 
@@ -256,7 +256,7 @@ fn obtained(sources: &Sources<'_>) -> Vec<String> {
             format!(
                 "Recording {}, made by palpate {}{written}.",
                 file_name(recording.path()),
-                recording.receipt.palpate_version
+                recording.metadata.palpate_version
             )
         })
         .collect();

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use palpate_scene::Told;
+use palpate_scene::Model;
 use palpate_scene::method::MethodName;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::Serialize;
@@ -115,7 +115,7 @@ impl ReachCard {
     /// after each line of each method.
     pub(super) fn of(
         device: &DeviceCard,
-        deviations: &Told,
+        deviations: &Model,
         stiffness: f64,
         methods: &[MethodName],
         done: impl Fn() + Sync,
@@ -143,17 +143,17 @@ impl ReachCard {
                 viscous_friction: viscous,
                 coulomb_friction: 0.0,
                 encoder_quantum: quantum,
-                told_mass: 1.0,
+                model_mass: 1.0,
             },
             stiffness,
             object_mass: f64::INFINITY,
             forces: map.forces,
             gap: map.gap,
             period,
-            told_period: 1.0,
+            model_period: 1.0,
             delay: delay / period,
             lag,
-            told: *deviations,
+            model: *deviations,
         };
         let per_kappa = mass / (period * period);
         let heaviest = stiffness * period * period;
@@ -196,7 +196,7 @@ impl ReachCard {
                     of: if line == 1 { &lighter } else { &stiffer },
                     halvings: if line < 2 { HALVINGS } else { 0 },
                 };
-                let limits = line.limits(|bounce, ask_good| judge(bounce, method, ask_good));
+                let limits = line.limits(|bounce, ask_good| evaluate(bounce, method, ask_good));
                 done();
                 limits
             })
@@ -250,20 +250,20 @@ fn steps((first, last): (f64, f64), per_decade: i32) -> Vec<f64> {
 
 /// Evaluation of a method on a contact.
 #[derive(Clone, Copy)]
-struct Judged {
+struct Evaluated {
     is_stable: bool,
     is_good: bool,
 }
 
 /// Evaluates `method` on a bounce, and whether it is good only if `ask_good`. Returns `None` if the bounce is too
 /// long for a simulation.
-fn judge(
+fn evaluate(
     bounce: &Bounce,
     method: MethodName,
     ask_good: bool,
-) -> Result<Option<Judged>, BounceError> {
+) -> Result<Option<Evaluated>, BounceError> {
     let settings = default_settings(method);
-    let entry = match bounce.judge(Plant::Damped, &[(method, settings)]) {
+    let entry = match bounce.evaluate(Plant::Damped, &[(method, settings)]) {
         Ok((entries, _)) => entries[0],
         Err(BounceError::TooLong(_)) => return Ok(None),
         Err(error) => return Err(error),
@@ -271,12 +271,12 @@ fn judge(
     let is_stable = entry.class() == Class::Stable;
     let is_near = is_stable
         && entry.error.worst < FAITHFUL_PERCENT
-        && entry.hold_floor.median < FAITHFUL_PERCENT;
+        && entry.hold_bound.median < FAITHFUL_PERCENT;
     let is_good = ask_good && is_near && {
         let (stay, _) = bounce.stay(method, settings)?;
         stay.rests() && stay.is_steady_pressed()
     };
-    Ok(Some(Judged { is_stable, is_good }))
+    Ok(Some(Evaluated { is_stable, is_good }))
 }
 
 impl Line<'_> {
@@ -284,32 +284,35 @@ impl Line<'_> {
     /// easy end without a result are skipped.
     fn limits<E>(
         &self,
-        judge: impl Fn(&Bounce, bool) -> Result<Option<Judged>, E>,
+        evaluate: impl Fn(&Bounce, bool) -> Result<Option<Evaluated>, E>,
     ) -> Result<Limits, E> {
         let mut contacts = 0;
         let mut ask = |hardness: f64, ask_good: bool| {
             contacts += 1;
-            judge(&(self.of)(hardness).1, ask_good)
+            evaluate(&(self.of)(hardness).1, ask_good)
         };
         let (mut stable, mut good) = (Search::default(), Search::default());
         for hardness in self.hardness {
-            let Some(judged) = ask(*hardness, good.is_open())? else {
+            let Some(evaluated) = ask(*hardness, good.is_open())? else {
                 continue;
             };
-            good.next(*hardness, judged.is_good);
-            stable.next(*hardness, judged.is_stable);
+            good.next(*hardness, evaluated.is_good);
+            stable.next(*hardness, evaluated.is_stable);
             if !stable.is_open() {
                 break;
             }
         }
         for _ in 0..self.halvings {
             if let Some(middle) = stable.middle() {
-                let judged = ask(middle, false)?;
-                stable.halve(middle, judged.is_some_and(|judged| judged.is_stable));
+                let evaluated = ask(middle, false)?;
+                stable.halve(
+                    middle,
+                    evaluated.is_some_and(|evaluated| evaluated.is_stable),
+                );
             }
             if let Some(middle) = good.middle() {
-                let judged = ask(middle, true)?;
-                good.halve(middle, judged.is_some_and(|judged| judged.is_good));
+                let evaluated = ask(middle, true)?;
+                good.halve(middle, evaluated.is_some_and(|evaluated| evaluated.is_good));
             }
         }
         let limit = |search: &Search| search.limit(|hardness| (self.of)(hardness).0);
@@ -389,11 +392,11 @@ mod tests {
             halvings,
         };
         let limits = line.limits(|bounce, ask_good| {
-            let judged = Judged {
+            let evaluated = Evaluated {
                 is_stable: bounce.stiffness <= stable,
                 is_good: ask_good && bounce.stiffness <= good,
             };
-            Ok::<_, Infallible>((bounce.stiffness >= known).then_some(judged))
+            Ok::<_, Infallible>((bounce.stiffness >= known).then_some(evaluated))
         });
         let Ok(limits) = limits;
         [limits.stable, limits.good].map(|limit| (limit.value, limit.or_beyond))

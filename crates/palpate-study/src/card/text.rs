@@ -41,11 +41,11 @@ impl fmt::Display for Card {
         if let Some(contact) = &self.contact {
             let percent = |value: Option<f64>| value.map_or_else(|| "-".into(), percent);
             let words = format!(
-                "Contact, {}: FRE {} %, E {} %, hold floor {} %; the held force created {} mJ.",
+                "Contact, {}: FRE {} %, E {} %, hold bound {} %; the held force created {} mJ.",
                 contact.source,
                 percent(contact.force_rendering_error_percent),
                 percent(contact.mean_force_error_percent),
-                percent(contact.hold_floor_percent),
+                percent(contact.hold_bound_percent),
                 digits(1e3 * contact.leak_held_j)
             );
             writeln!(f, "\n{}", wrapped(&words))?;
@@ -140,7 +140,7 @@ impl super::ReachCard {
         format!(
             "{known}{assumed}. Dry friction is left out. {} contacts bounced from {} start heights each, in {} s; kappa \
              and Kc from {} to {}. The resolution is a factor of {:.2} over the object's mass, and of {:.2} for wall and \
-             object. Stable: no bounce gains more than 1 % of energy. Good: stable, E and hold floor below {} %, and \
+             object. Stable: no bounce gains more than 1 % of energy. Good: stable, E and hold bound below {} %, and \
              steady at rest and pressed in a hand. The lightest object is that at {} N/m.",
             self.contacts,
             self.start_heights,

@@ -30,7 +30,7 @@ impl Ticks {
                 let count = |flag| u64::from(tick.flags.has(flag));
                 ticks.missed_deadlines += count(Flags::MISSED_DEADLINE);
                 ticks.limited += count(Flags::SAFETY_LIMITED);
-                ticks.motors_off += count(Flags::SAFETY_TRIPPED);
+                ticks.motors_off += count(Flags::SAFETY_STOPPED);
                 ticks.unseen += u64::from(!is_seen(&row));
                 ticks.all.push(row);
             }

@@ -88,7 +88,7 @@ impl TimingCard {
         };
         Self {
             recording: file_name(recording.path()),
-            palpate_version: recording.receipt.palpate_version.clone(),
+            palpate_version: recording.metadata.palpate_version.clone(),
             scene: scene.as_ref().map(|scene| scene.title.clone()),
             method: scene.as_ref().map(|scene| scene.method.name().to_owned()),
             period_asked_s: scene.as_ref().map(|scene| scene.loop_params.period),

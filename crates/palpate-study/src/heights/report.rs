@@ -27,7 +27,7 @@ pub struct HeightsReport {
     /// Largest change of the gap, as a share of the scene's.
     pub height_range: f64,
     /// Model device mass of the renderer over the true mass.
-    pub told_mass_factor: f64,
+    pub model_mass_factor: f64,
     /// One entry for each scene, in the order given.
     pub scenes: Vec<SceneReport>,
 }
@@ -44,7 +44,7 @@ pub struct SceneReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
     /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
-    pub hold_floor_percent: f64,
+    pub hold_bound_percent: f64,
     /// One entry for each column.
     pub columns: Vec<ColumnReport>,
 }
@@ -65,7 +65,7 @@ pub struct ColumnReport {
     /// FRE over the start heights `[%]`.
     pub force_rendering_error_over_heights_percent: ErrorReport,
     /// FRE over the zero-order-hold bound; none if the bound is 0.
-    pub error_over_floor: Option<f64>,
+    pub error_over_bound: Option<f64>,
     /// Number of start heights from which the loop diverged.
     pub diverged: usize,
     /// The chosen damping, for a column with several dampings.
@@ -94,15 +94,15 @@ impl From<Spread> for ErrorReport {
 }
 
 impl HeightsReport {
-    /// Creates the report on `scenes`, whose renderers had `told_mass_factor` times the device's mass as the model
+    /// Creates the report on `scenes`, whose renderers had `model_mass_factor` times the device's mass as the model
     /// mass.
     #[must_use]
-    pub fn new(told_mass_factor: f64, scenes: Vec<SceneReport>) -> Self {
+    pub fn new(model_mass_factor: f64, scenes: Vec<SceneReport>) -> Self {
         Self {
             format: FORMAT,
             start_heights: HEIGHTS,
             height_range: HEIGHT_RANGE,
-            told_mass_factor,
+            model_mass_factor,
             scenes,
         }
     }
@@ -116,7 +116,7 @@ impl SceneReport {
             title: scene.title.clone(),
             seed: scene.random_seed(),
             // The hold bound is a property of the ideal, equal for all columns.
-            hold_floor_percent: found.first().map_or(0.0, |one| one.own.hold_floor),
+            hold_bound_percent: found.first().map_or(0.0, |one| one.own.hold_bound),
             columns: columns
                 .iter()
                 .zip(found)
@@ -126,7 +126,7 @@ impl SceneReport {
                     mean_force_error_percent: found.error.into(),
                     force_rendering_error_percent: found.own.force_rendering_error,
                     force_rendering_error_over_heights_percent: found.force_rendering_error.into(),
-                    error_over_floor: found.own.error_over_floor,
+                    error_over_bound: found.own.error_over_bound,
                     diverged: found.diverged,
                     damping_n_s_per_m: found.damping,
                 })
@@ -142,14 +142,14 @@ impl fmt::Display for HeightsReport {
             "{} start heights within ±{} %, told {} times the device's mass",
             self.start_heights,
             100.0 * self.height_range,
-            self.told_mass_factor
+            self.model_mass_factor
         )?;
         for scene in &self.scenes {
             writeln!(
                 f,
                 "\n{}; floor {:.2} %\n",
                 drawn_title(&scene.title, scene.seed),
-                scene.hold_floor_percent
+                scene.hold_bound_percent
             )?;
             let header = [
                 "method",

@@ -7,8 +7,8 @@ use palpate_testbed::InvalidParameter;
 
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{
-    ActuatorParams, Delay, Hand, Measure, PointMassDevice, Scene, SceneDevice, SetupError, Timing,
-    Told,
+    ActuatorParams, Delay, Hand, Measure, Model, PointMassDevice, Scene, SceneDevice, SetupError,
+    Timing,
 };
 use palpate_sim::closed_loop::LoopError;
 
@@ -24,7 +24,7 @@ pub struct BounceDevice {
     /// Quantum of the position sensor `[m]`; 0 for an ideal one.
     pub encoder_quantum: f64,
     /// Model mass of the renderer over the true mass.
-    pub told_mass: f64,
+    pub model_mass: f64,
 }
 
 /// An object at rest before a device at rest, and the loop between them.
@@ -43,13 +43,13 @@ pub struct Bounce {
     /// Period T of the loop `[s]`.
     pub period: f64,
     /// Model period of the renderer over the true period.
-    pub told_period: f64,
+    pub model_period: f64,
     /// Time from a sample to the start of its force `[periods]`; may be fractional.
     pub delay: f64,
     /// Time constant of the following first-order lag `[s]`.
     pub lag: f64,
     /// Further model values of the renderer: deviations of delay, lag and gain, and the sensor noise.
-    pub told: Told,
+    pub model: Model,
 }
 
 /// Constant forces that drive device and object together.
@@ -114,7 +114,7 @@ pub enum BounceError {
     #[error("the object never meets the device: no force drives them together")]
     NoBounce,
     /// The window has too many periods.
-    #[error("the bounce takes {0:.0} periods; at most {most} fit", most = palpate_sim::run::MOST_PERIODS)]
+    #[error("the bounce takes {0:.0} periods; at most {most} fit", most = palpate_sim::run::MAX_PERIODS)]
     TooLong(f64),
 }
 
@@ -185,14 +185,14 @@ impl Bounce {
                 ..PointMassDevice::default()
             }),
             object_radius: 0.0,
-            told_device_mass: None,
-            delay: Delay::told_whole(self.delay, self.period),
+            model_device_mass: None,
+            delay: Delay::model_whole(self.delay, self.period),
             timing: Timing::default(),
             actuator: ActuatorParams {
                 lag: self.lag,
                 ..ActuatorParams::default()
             },
-            told: Told::default(),
+            model: Model::default(),
             measure: Measure::Duration(periods as f64 * self.period),
             method: MethodName::Hfcr,
             settings: HashMap::from([(MethodName::Hfcr, default_settings(MethodName::Hfcr))]),
@@ -210,9 +210,9 @@ impl Bounce {
         settings: Settings,
     ) -> Result<AnyRenderer<f64>, BounceError> {
         let mut scene = self.scene(0.0, 1);
-        scene.loop_params.period *= self.told_period;
-        scene.told_device_mass = Some(self.device.told_mass * self.device.mass);
-        scene.told = self.told;
+        scene.loop_params.period *= self.model_period;
+        scene.model_device_mass = Some(self.device.model_mass * self.device.mass);
+        scene.model = self.model;
         scene.settings.insert(method, settings);
         scene
             .renderer(method)

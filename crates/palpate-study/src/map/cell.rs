@@ -7,7 +7,7 @@ use super::bounce::{Bounce, BounceError, Plant, default_settings};
 use super::grid::MapParams;
 use super::growth::{Class, classify};
 use super::stay::Stay;
-use super::trial::{Course, Judged, Outcome};
+use super::trial::{Course, Evaluated, Outcome};
 use palpate_scene::method::{MethodName, Settings};
 use rayon::prelude::*;
 
@@ -32,9 +32,9 @@ pub struct Entry {
     /// Mean-force error E `[%]`.
     pub error: Summary,
     /// Force rendering error over the zero-order-hold bound; infinite if the bound is 0.
-    pub error_over_floor: Summary,
+    pub error_over_bound: Summary,
     /// Zero-order-hold bound, which does not depend on the method `[%]`.
-    pub hold_floor: Summary,
+    pub hold_bound: Summary,
     /// Numbers of start heights with a stable, growing and diverged loop.
     pub classes: [usize; 3],
 }
@@ -78,7 +78,7 @@ impl MapParams {
             .collect();
         for plant in Plant::ALL {
             let bounce = bounce.on(plant);
-            let (entries, ticks) = bounce.judge(plant, &methods)?;
+            let (entries, ticks) = bounce.evaluate(plant, &methods)?;
             result.ticks += ticks;
             for ((method, settings), entry) in methods.iter().zip(entries) {
                 let (stay, ticks) = bounce.stay(*method, *settings)?;
@@ -98,7 +98,7 @@ impl Bounce {
     ///
     /// # Errors
     /// The bench or a method rejects a parameter.
-    pub fn judge(
+    pub fn evaluate(
         &self,
         plant: Plant,
         methods: &[(MethodName, Settings)],
@@ -108,7 +108,7 @@ impl Bounce {
             .map(|(method, settings)| self.renderer(*method, *settings))
             .collect::<Result<_, _>>()?;
         let from = |phase| -> Result<Vec<Outcome>, BounceError> {
-            let course = Course::new(self, phase, Judged::Force)?;
+            let course = Course::new(self, phase, Evaluated::Force)?;
             let renderers = renderers.iter();
             renderers
                 .map(|renderer| course.run(self, renderer))
@@ -136,7 +136,7 @@ impl Bounce {
         let renderer = self.renderer(method, settings)?;
         let mut worst = 0.0;
         for phase in 0..PHASES {
-            let outcome = Course::new(self, phase, Judged::Growth)?.run(self, &renderer)?;
+            let outcome = Course::new(self, phase, Evaluated::Growth)?.run(self, &renderer)?;
             worst = outcome.growth.max(worst);
             if worst.is_infinite() {
                 break;
@@ -158,10 +158,10 @@ impl Entry {
             method,
             growth: summary(&|outcome| outcome.growth),
             error: summary(&|outcome| outcome.fidelity.mean_force_error),
-            error_over_floor: summary(&|outcome| {
-                outcome.fidelity.error_over_floor.unwrap_or(f64::INFINITY)
+            error_over_bound: summary(&|outcome| {
+                outcome.fidelity.error_over_bound.unwrap_or(f64::INFINITY)
             }),
-            hold_floor: summary(&|outcome| outcome.fidelity.hold_floor),
+            hold_bound: summary(&|outcome| outcome.fidelity.hold_bound),
             classes,
         }
     }

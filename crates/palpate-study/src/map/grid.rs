@@ -1,7 +1,7 @@
 //! The cells of a map: the scene of each index.
 
 use super::bounce::{Bounce, BounceDevice, Forces, Plant};
-use palpate_scene::Told;
+use palpate_scene::Model;
 use palpate_scene::method::MethodName;
 
 /// Range of both axes.
@@ -31,7 +31,7 @@ pub struct MapParams {
     /// Standard deviation of the lag in the renderer's model `[periods]`.
     pub lag_deviation: f64,
     /// Model period of the renderer over the true period.
-    pub told_period: f64,
+    pub model_period: f64,
 }
 
 /// Reason for rejecting the parameters of a map.
@@ -72,7 +72,7 @@ impl Default for MapParams {
                 viscous_friction: 0.0394,
                 coulomb_friction: 0.0,
                 encoder_quantum: 0.0,
-                told_mass: 1.0,
+                model_mass: 1.0,
             },
             period: 0.02,
             // The 1 N of its hand and the weight of its 0.1 kg: 1/0.25 + 9.81 m/s².
@@ -82,7 +82,7 @@ impl Default for MapParams {
             lag: 0.0,
             delay_deviation: 0.0,
             lag_deviation: 0.0,
-            told_period: 1.0,
+            model_period: 1.0,
         }
     }
 }
@@ -146,13 +146,13 @@ impl MapParams {
                 forces: self.forces,
                 gap: self.gap,
                 period: self.period,
-                told_period: self.told_period,
+                model_period: self.model_period,
                 delay: self.delay,
                 lag: self.lag * self.period,
-                told: Told {
+                model: Model {
                     delay_deviation: Some(self.delay_deviation * self.period),
                     lag_deviation: Some(self.lag_deviation * self.period),
-                    ..Told::default()
+                    ..Model::default()
                 },
             },
         }

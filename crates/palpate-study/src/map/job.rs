@@ -12,7 +12,7 @@ use palpate_files::journal::{Journal, JournalError};
 use palpate_record::map::{Format, Map, Row};
 
 use super::report::Speed;
-use super::{BounceError, Done, MapParams, compute, receipt};
+use super::{BounceError, Done, MapParams, compute, metadata};
 
 /// A map to be computed, and its output file.
 #[derive(Clone, Copy, Debug)]
@@ -97,8 +97,8 @@ impl MapJob<'_> {
         stop: &AtomicBool,
         follower: &mut impl MapFollower,
     ) -> Result<Computed, MapJobError> {
-        let receipt = receipt::of(self.params, self.part);
-        let head = receipt::line(&receipt);
+        let metadata = metadata::of(self.params, self.part);
+        let head = metadata::line(&metadata);
         let journal_path = journal_of(self.out);
         let mut done = BTreeMap::new();
         // Lock first, so that no other process changes the files after they are read.
@@ -108,7 +108,7 @@ impl MapJob<'_> {
         }
         let mut journal = found.journal;
         if self.is_resumed
-            && let Some(map) = complete(self.out, &receipt, self.overwrites)?
+            && let Some(map) = complete(self.out, &metadata, self.overwrites)?
         {
             let is_of_another = found.head.is_some_and(|begun| begun != head);
             return Ok(Computed {
@@ -186,7 +186,7 @@ impl MapJob<'_> {
         }
         Ok(Computed {
             map: Map {
-                receipt,
+                metadata,
                 rows: done.into_values().flatten().collect(),
             },
             speed: Some(Speed {
@@ -205,14 +205,14 @@ impl MapJob<'_> {
 /// The file has other content and must not be overwritten.
 fn complete(
     out: &Path,
-    receipt: &[(String, String)],
+    metadata: &[(String, String)],
     may_overwrite: bool,
 ) -> Result<Option<Map>, MapJobError> {
     let Ok(file) = std::fs::File::open(out) else {
         return Ok(None);
     };
     match Map::read(file, &out.display().to_string()) {
-        Ok(map) if map.receipt == receipt => Ok(Some(map)),
+        Ok(map) if map.metadata == metadata => Ok(Some(map)),
         _ if may_overwrite => Ok(None),
         Ok(map) if map.format() != Some(Format::BouncesAndStays) => {
             Err(MapJobError::Other(format!(

@@ -72,7 +72,7 @@ impl Bounce {
         };
         let mut known_stable = Vec::new();
         let faithful = hardest(|kappa| {
-            let (entries, _) = at(kappa).judge(Plant::Damped, &[(method, settings)])?;
+            let (entries, _) = at(kappa).evaluate(Plant::Damped, &[(method, settings)])?;
             let is_stable = |entry: &Entry| entry.class() == Class::Stable;
             if !entries.iter().all(is_stable) {
                 return Ok(false);

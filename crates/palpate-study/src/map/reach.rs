@@ -94,7 +94,7 @@ fn known(limit: Result<Limit, BounceError>) -> Result<Option<Limit>, BounceError
 mod tests {
     use super::*;
     use crate::map::MapParams;
-    use palpate_scene::Told;
+    use palpate_scene::Model;
 
     #[test]
     fn what_is_faithful_is_stable_and_coupled_reaches_farthest() {
@@ -106,10 +106,10 @@ mod tests {
             forces: params.forces,
             gap: params.gap,
             period: 0.02,
-            told_period: 1.0,
+            model_period: 1.0,
             delay: 0.0,
             lag: 0.0,
-            told: Told::default(),
+            model: Model::default(),
         };
         let methods = [MethodName::Hfcr, MethodName::Coupled];
         let reach = bounce.reach(&methods, 20.0, || {}).unwrap();

@@ -7,7 +7,7 @@ use comfy_table::CellAlignment;
 use palpate_record::map::{Format, Map, Row};
 use serde::Serialize;
 
-use super::receipt::{self, NoNumber};
+use super::metadata::{self, NoNumber};
 use super::{Class, PRESSED_WITH, Plant, RESTS_BELOW, Stay, classify};
 use crate::text::{E, digits, legend, lines, number, percent, plain_table, wrapped};
 
@@ -87,9 +87,9 @@ pub struct SceneReport {
     #[serde(skip_serializing_if = "is_zero")]
     pub lag_deviation_periods: f64,
     /// Model device mass of the renderer over the true mass.
-    pub told_mass_factor: f64,
+    pub model_mass_factor: f64,
     /// Model period of the renderer over the true period.
-    pub told_period_factor: f64,
+    pub model_period_factor: f64,
     /// Number of start heights.
     pub start_heights: f64,
 }
@@ -153,10 +153,10 @@ impl MapReport {
     /// Creates the report on `map`.
     pub fn new(map: &Map, speed: Option<Speed>) -> Result<Self, NoNumber> {
         let value = |key: &str| map.value(key).unwrap_or("unknown").to_owned();
-        let number = |key: &str| receipt::number(map, key);
+        let number = |key: &str| metadata::number(map, key);
         let or_zero = |key: &str| match map.value(key) {
             None => Ok(0.0),
-            Some(_) => receipt::number(map, key),
+            Some(_) => metadata::number(map, key),
         };
         let forces = match map.value("forces") {
             Some("balanced") => format!(
@@ -178,12 +178,12 @@ impl MapReport {
                 reports.push(MethodReport::new(plant, method, &rows, map.format()));
             }
         }
-        let lines_per_cell = receipt::count(map, palpate_record::map::LINES_PER_CELL)?;
+        let lines_per_cell = metadata::count(map, palpate_record::map::LINES_PER_CELL)?;
         Ok(Self {
             format: FORMAT,
             palpate_version: value("palpate_version"),
             shard: value(palpate_record::map::SHARD),
-            cells_per_axis: receipt::count(map, "cells_per_axis")?,
+            cells_per_axis: metadata::count(map, "cells_per_axis")?,
             cells: map.rows.len() / lines_per_cell.max(1),
             scene: SceneReport {
                 device_mass_kg: number("device_mass_kg")?,
@@ -196,8 +196,8 @@ impl MapReport {
                 lag_periods: or_zero("lag_periods")?,
                 delay_deviation_periods: or_zero("delay_deviation_periods")?,
                 lag_deviation_periods: or_zero("lag_deviation_periods")?,
-                told_mass_factor: number("told_mass_factor")?,
-                told_period_factor: number("told_period_factor")?,
+                model_mass_factor: number("model_mass_factor")?,
+                model_period_factor: number("model_period_factor")?,
                 start_heights: number("start_heights")?,
             },
             methods: reports,
@@ -380,8 +380,8 @@ impl fmt::Display for MapReport {
                 scene.lag_deviation_periods,
                 0.0,
             ),
-            ("told mass x", scene.told_mass_factor, 1.0),
-            ("told period x", scene.told_period_factor, 1.0),
+            ("told mass x", scene.model_mass_factor, 1.0),
+            ("told period x", scene.model_period_factor, 1.0),
         ] {
             if value != usual {
                 forces.push_str(&format!("; {name} {value}"));

@@ -23,8 +23,8 @@ impl CellResult {
                 method: bounce.method.name().to_owned(),
                 growth: both(bounce.growth),
                 error: both(bounce.error),
-                error_over_floor: both(bounce.error_over_floor),
-                hold_floor: both(bounce.hold_floor),
+                error_over_bound: both(bounce.error_over_bound),
+                hold_bound: both(bounce.hold_bound),
                 classes: bounce.classes.map(|count| count as u64),
                 stay: Some(StaySwing {
                     resting: stay.resting,

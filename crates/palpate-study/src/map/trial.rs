@@ -14,7 +14,7 @@ use super::bounce::{Bounce, BounceError};
 use super::growth::{BounceEnergy, GrowthMeter};
 use super::{ERROR_COLLISIONS, GROWTH_COLLISIONS, PHASE_RANGE, PHASES};
 use palpate_sim::closed_loop::LoopError;
-use palpate_sim::run::MOST_PERIODS;
+use palpate_sim::run::MAX_PERIODS;
 use palpate_sim::sampled_loop::device_of;
 use palpate_sim::ticks::{TickedDevice, TicksParams, Way};
 
@@ -36,7 +36,7 @@ pub(super) fn height(phase: usize) -> f64 {
 
 /// Purpose of a course.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Judged {
+pub(super) enum Evaluated {
     /// Growth and force.
     Force,
     /// Only growth: the errors are invalid, and no ideal with friction is computed.
@@ -91,7 +91,7 @@ pub(super) struct Course {
 impl Course {
     /// Creates a course with the windows of the frictionless bounce. Plants are thus comparable, and a bounce that
     /// friction brings to rest also has windows.
-    pub fn new(bounce: &Bounce, phase: usize, judged: Judged) -> Result<Self, BounceError> {
+    pub fn new(bounce: &Bounce, phase: usize, evaluated: Evaluated) -> Result<Self, BounceError> {
         let height = height(phase);
         let position = (1.0 + height) * bounce.gap;
         let device = &bounce.device;
@@ -114,21 +114,23 @@ impl Course {
             end(GROWTH_COLLISIONS)? / period,
             end(GROWTH_COLLISIONS + 1)? / period,
         );
-        if next > MOST_PERIODS as f64 {
+        if next > MAX_PERIODS as f64 {
             return Err(BounceError::TooLong(next));
         }
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "0 to MOST_PERIODS"
+            reason = "0 to MAX_PERIODS"
         )]
         let (first, next) = (last.floor() as usize + 1, next.floor() as usize);
         let window = lossless
             .window(ERROR_COLLISIONS, period)
             .ok_or(BounceError::NoBounce)?;
-        let profile = match judged {
-            Judged::Force if device.coulomb_friction > 0.0 => integrated(bounce, position, window)?,
-            Judged::Force if device.viscous_friction > 0.0 => {
+        let profile = match evaluated {
+            Evaluated::Force if device.coulomb_friction > 0.0 => {
+                integrated(bounce, position, window)?
+            }
+            Evaluated::Force if device.viscous_friction > 0.0 => {
                 ViscousIdeal::new(&scene, device.viscous_friction, period, window)?.profile
             }
             _ => lossless.profile(period, window)?,
@@ -274,7 +276,7 @@ mod tests {
             for index in 0..params.len() {
                 let bounce = params.cell(index).bounce.on(Plant::Undamped);
                 for phase in [0, 9, 15] {
-                    let course = Course::new(&bounce, phase, Judged::Force).unwrap();
+                    let course = Course::new(&bounce, phase, Evaluated::Force).unwrap();
                     let ideal = Ideal::new(scene(&bounce, height(phase))).unwrap();
                     let growth = growth_of(&course, |i| ideal.at(i as f64 * bounce.period));
                     assert!((growth - 1.0).abs() < 1e-9, "{index}, {phase}: {growth}");
@@ -293,7 +295,7 @@ mod tests {
             // A wall: the friction of a device takes no energy from an object that is much lighter than the device.
             let mut bounce = params.cell(2 * params.columns()).bounce;
             bounce.device.viscous_friction = friction;
-            let course = Course::new(&bounce, 3, Judged::Force).unwrap();
+            let course = Course::new(&bounce, 3, Evaluated::Force).unwrap();
             let periods = *course.last_cycle.end();
             let ideal =
                 ViscousIdeal::new(&scene(&bounce, height(3)), friction, bounce.period, periods)
@@ -310,7 +312,7 @@ mod tests {
             .cell(params.columns() + 30)
             .bounce
             .on(Plant::Undamped);
-        let course = Course::new(&bounce, 5, Judged::Force).unwrap();
+        let course = Course::new(&bounce, 5, Evaluated::Force).unwrap();
         let ideal = Ideal::new(scene(&bounce, height(5))).unwrap();
         let end = |n| ideal.end_of_collision(n).unwrap() / bounce.period;
         let (first, last) = (

@@ -21,7 +21,7 @@ use palpate_record::recording::{Gap, LoopTime, Recording, WHOLE};
 use crate::text::{counted, digits};
 
 /// Maximum number of gaps listed individually.
-const MOST_GAPS: usize = 5;
+const MAX_GAPS: usize = 5;
 
 /// Returns the shortcomings of a recording as sentences.
 #[must_use]
@@ -129,14 +129,14 @@ pub fn refused(ticks: u64, of: u64) -> String {
 fn gaps(missing: &[Gap]) -> String {
     let mut words: Vec<String> = missing
         .iter()
-        .take(MOST_GAPS)
+        .take(MAX_GAPS)
         .map(|gap| match gap.after {
             Some(after) => format!("{} after tick {after}", gap.count),
             None => format!("{} before the first", gap.count),
         })
         .collect();
-    if missing.len() > MOST_GAPS {
-        words.push(format!("and in {} places more", missing.len() - MOST_GAPS));
+    if missing.len() > MAX_GAPS {
+        words.push(format!("and in {} places more", missing.len() - MAX_GAPS));
     }
     words.join(", ")
 }

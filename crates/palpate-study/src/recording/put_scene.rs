@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use palpate_files::bounded::SCENE;
-use palpate_record::recording::Receipt;
+use palpate_record::recording::RecordingMetadata;
 use palpate_scene::{Scene, SceneErrors, SceneFile, beside};
 
 /// Reason why metadata cannot contain a scene.
@@ -31,13 +31,13 @@ pub enum PutSceneError {
 }
 
 /// Metadata entry with the renderer's model values of the device.
-const TOLD: &str = "told";
+const TOLD: &str = "model";
 
 /// Returns the model values of the device in the renderer of `scene`, one line `key = value` each.
-fn told(scene: &Scene) -> String {
-    let told = scene.told_actuation();
-    let mass = scene.told_device_mass.unwrap_or(scene.device.mass());
-    let transmission = told.transmission.map(|it| {
+fn model(scene: &Scene) -> String {
+    let model = scene.model_actuation();
+    let mass = scene.model_device_mass.unwrap_or(scene.device.mass());
+    let transmission = model.transmission.map(|it| {
         [
             ("resonance_hz", it.resonance),
             ("resonance_damping_ratio", it.damping_ratio),
@@ -46,12 +46,12 @@ fn told(scene: &Scene) -> String {
     });
     [
         ("device_mass_kg", mass),
-        ("delay_s", told.delay),
-        ("lag_s", told.lag),
-        ("gain", told.gain),
-        ("delay_deviation_s", told.delay_deviation),
-        ("lag_deviation_s", told.lag_deviation),
-        ("gain_deviation", told.gain_deviation),
+        ("delay_s", model.delay),
+        ("lag_s", model.lag),
+        ("gain", model.gain),
+        ("delay_deviation_s", model.delay_deviation),
+        ("lag_deviation_s", model.lag_deviation),
+        ("gain_deviation", model.gain_deviation),
     ]
     .into_iter()
     .chain(transmission.into_iter().flatten())
@@ -64,10 +64,14 @@ fn told(scene: &Scene) -> String {
 ///
 /// # Errors
 /// The file cannot be read, or the scene names other files and was changed.
-pub fn put_scene(receipt: Receipt, scene: &Scene, path: &Path) -> Result<Receipt, PutSceneError> {
-    let receipt = receipt.with(TOLD, &told(scene));
+pub fn put_scene(
+    metadata: RecordingMetadata,
+    scene: &Scene,
+    path: &Path,
+) -> Result<RecordingMetadata, PutSceneError> {
+    let metadata = metadata.with(TOLD, &model(scene));
     let unwritable = match scene.to_toml() {
-        Ok(text) => return Ok(receipt.with("scene", &text)),
+        Ok(text) => return Ok(metadata.with("scene", &text)),
         Err(unwritable) => unwritable,
     };
     // A scene that names other files is stored as its file text, together with these files.
@@ -89,7 +93,7 @@ pub fn put_scene(receipt: Receipt, scene: &Scene, path: &Path) -> Result<Receipt
     }
     Ok(named
         .iter()
-        .fold(receipt.with("scene", &text), |receipt, (file, text)| {
-            receipt.with_file(file, text)
+        .fold(metadata.with("scene", &text), |metadata, (file, text)| {
+            metadata.with_file(file, text)
         }))
 }

@@ -10,7 +10,7 @@ use palpate_sim::run::{Reference, Run};
 
 use super::{RecordedCurves, Ticks, TicksError};
 use crate::hand_replay::{HandRecording, HandReplayError, HandReplayStep, ReplayRuns, close_loop};
-use crate::report::{FromRecording, Replayed, Report, Subject, receipt, told_lines};
+use crate::report::{FromRecording, Replayed, Report, Subject, actuation_lines, metadata};
 
 /// Replayed part of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,7 +75,7 @@ pub struct ReplayedRecording {
     /// The report.
     pub report: Report,
     /// Metadata of a run file.
-    pub receipt: Vec<(String, String)>,
+    pub metadata: Vec<(String, String)>,
     /// A line that names the replay.
     pub title: String,
     /// The ideal.
@@ -144,16 +144,16 @@ impl RecordingReplay<'_> {
                     at_its_instants: true,
                 };
                 let model = stated.model(scene.device.mass(), setup.encoder_quantum);
-                let told = (&setup, &model, stated.is_assumed());
-                close_loop(&of_a_hand, told, (methods, &scene.settings), begins)
+                let model = (&setup, &model, stated.is_assumed());
+                close_loop(&of_a_hand, model, (methods, &scene.settings), begins)
                     .map_err(RecordingReplayError::Hand)?
             }
         };
-        Ok(self.judged(name, setup, ticks, (replayed, beyond_reach)))
+        Ok(self.evaluated(name, setup, ticks, (replayed, beyond_reach)))
     }
 
     /// Creates the report on the replay.
-    fn judged(
+    fn evaluated(
         &self,
         name: String,
         setup: ReplaySetup,
@@ -184,27 +184,27 @@ impl RecordingReplay<'_> {
             recorded_peak_force_n: ticks.peak_force,
             recorded_leak_held_j: ticks.curves.held_leak.last().copied().unwrap_or(0.0),
         });
-        let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
-        receipt.extend(replayed.receipt());
-        let told = told_lines(
+        let mut metadata = metadata(&subject, setup.object, setup.virtual_force, &runs);
+        metadata.extend(replayed.metadata());
+        let model = actuation_lines(
             &setup.actuation,
             setup.delay().whole_samples(),
             setup.loop_params.period,
         );
-        let told: Vec<_> = told.collect();
-        let lines = told.iter();
-        receipt.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
-        report.actuated(told);
-        receipt.push(("recording".into(), name));
+        let model: Vec<_> = model.collect();
+        let lines = model.iter();
+        metadata.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
+        report.actuated(model);
+        metadata.push(("recording".into(), name));
         let Part { from, to, .. } = self.part;
         let ends = [("recording_from_s", from), ("recording_to_s", to)].into_iter();
         let given = ends.filter(|(_, time)| time.is_finite());
-        receipt.extend(given.map(|(key, time)| (key.to_owned(), time.to_string())));
-        receipt.push(("ticks_lost".into(), self.recording.lost().to_string()));
+        metadata.extend(given.map(|(key, time)| (key.to_owned(), time.to_string())));
+        metadata.push(("ticks_lost".into(), self.recording.lost().to_string()));
         report.replayed(replayed.clone());
         ReplayedRecording {
             report,
-            receipt,
+            metadata,
             title,
             reference,
             runs,

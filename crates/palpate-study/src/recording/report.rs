@@ -84,7 +84,7 @@ pub struct RecordingReport {
     /// The renderer's initial model values of the device, by key with unit: mass, delay, lag and gain, and the
     /// standard deviations of delay, lag and gain. Empty if unknown, as in recordings of older versions.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub told: BTreeMap<String, f64>,
+    pub model: BTreeMap<String, f64>,
     /// Number of parameter changes.
     pub parameter_changes: u32,
     /// Number of ticks per flag.
@@ -92,7 +92,7 @@ pub struct RecordingReport {
     /// Number of events per kind.
     pub events: BTreeMap<String, u64>,
     /// Length of each metadata text.
-    pub receipt_bytes: BTreeMap<String, usize>,
+    pub metadata_bytes: BTreeMap<String, usize>,
 }
 
 /// Ticks that are missing between two recorded ticks.
@@ -134,7 +134,7 @@ impl DeviceFlags {
     }
 
     fn reports(self, recording: &Recording) -> Vec<DeviceReport> {
-        let names = recording.receipt.texts.get(DEVICES);
+        let names = recording.metadata.texts.get(DEVICES);
         let names: Vec<&str> = names.map_or_else(Vec::new, |names| names.lines().collect());
         let reports = self.0.into_iter().enumerate().map(|(number, flags)| {
             let name = names.get(number);
@@ -181,18 +181,18 @@ impl RecordingReport {
                 }
             }
         }
-        let off = flags.get(Flags::SAFETY_TRIPPED.names().as_str()).copied();
+        let off = flags.get(Flags::SAFETY_STOPPED.names().as_str()).copied();
         let off = off.unwrap_or(0);
         let ends = recording.first.zip(recording.last);
         let duration = ends.map(|(first, last)| last.time - first.time);
         let steps = ends.map(|(first, last)| (last.sequence - first.sequence) as f64);
-        let texts = recording.receipt.texts.iter();
+        let texts = recording.metadata.texts.iter();
         let counted = recording.counted.as_ref();
         let time = counted.and_then(|count| count.time);
         Ok(Self {
             format: FORMAT,
             recording: recording.path().display().to_string(),
-            palpate_version: recording.receipt.palpate_version.clone(),
+            palpate_version: recording.metadata.palpate_version.clone(),
             complete: recording.is_complete(),
             whole: recording.is_whole(),
             finished: recording.finished,
@@ -230,11 +230,11 @@ impl RecordingReport {
             longest_period_s: period,
             longest_tick_s: tick_duration,
             longest_round_trip_s: round_trip,
-            told: told(recording),
+            model: model(recording),
             parameter_changes: recording.generation,
             flags,
             events,
-            receipt_bytes: texts
+            metadata_bytes: texts
                 .map(|(name, text)| (name.clone(), text.len()))
                 .collect(),
         })
@@ -249,8 +249,8 @@ fn missed(event: &Event) -> u64 {
 }
 
 /// Returns the renderer's model values in the metadata, one number per key.
-pub(crate) fn told(recording: &Recording) -> BTreeMap<String, f64> {
-    let text = recording.receipt.texts.get("told");
+pub(crate) fn model(recording: &Recording) -> BTreeMap<String, f64> {
+    let text = recording.metadata.texts.get("model");
     let lines = text.map_or("", String::as_str).lines();
     lines
         .filter_map(|line| {
@@ -269,8 +269,8 @@ fn raise(largest: &mut Option<f64>, value: f64) {
 
 impl RecordingReport {
     /// Returns the renderer's model values as one line; `None` if unknown.
-    fn told_in_words(&self) -> Option<String> {
-        let of = |key: &str| self.told.get(key).copied();
+    fn model_in_words(&self) -> Option<String> {
+        let of = |key: &str| self.model.get(key).copied();
         let known = [
             ("device", "device_mass_kg", "", 1.0, " kg"),
             ("delay", "delay_s", "delay_deviation_s", 1e3, " ms"),
@@ -360,7 +360,7 @@ impl fmt::Display for RecordingReport {
         if self.parameter_changes > 0 {
             writeln!(f, "  changes of parameters: {}", self.parameter_changes)?;
         }
-        if let Some(words) = self.told_in_words() {
+        if let Some(words) = self.model_in_words() {
             writeln!(f, "{words}")?;
         }
         let total: u64 = self.events.values().sum();
@@ -370,10 +370,10 @@ impl fmt::Display for RecordingReport {
         }
         writeln!(
             f,
-            "{} in the receipt",
-            counted(self.receipt_bytes.len() as u64, "text")
+            "{} in the metadata",
+            counted(self.metadata_bytes.len() as u64, "text")
         )?;
-        for (name, bytes) in &self.receipt_bytes {
+        for (name, bytes) in &self.metadata_bytes {
             writeln!(f, "  {name}: {}", counted(*bytes as u64, "byte"))?;
         }
         Ok(())

@@ -13,7 +13,7 @@ const SCENE: &str = "scene";
 #[non_exhaustive]
 pub enum NoScene {
     /// The metadata contain no scene.
-    #[error("{0}: its receipt has no text called {SCENE}, so nothing says what the contact was")]
+    #[error("{0}: its metadata has no text called {SCENE}, so nothing says what the contact was")]
     Missing(String),
     /// The scene in the metadata is invalid.
     #[error(transparent)]
@@ -26,15 +26,15 @@ pub enum NoScene {
 /// The recording contains no scene, or an invalid one.
 pub fn scene_of(recording: &Recording) -> Result<SceneFile, NoScene> {
     let name = recording.path().display().to_string();
-    let receipt = &recording.receipt;
-    let Some(text) = receipt.texts.get(SCENE) else {
+    let metadata = &recording.metadata;
+    let Some(text) = metadata.texts.get(SCENE) else {
         return Err(NoScene::Missing(name));
     };
     let mut files = |file: &str| {
-        receipt.file(file).map(str::to_owned).ok_or_else(|| {
+        metadata.file(file).map(str::to_owned).ok_or_else(|| {
             io::Error::new(
                 io::ErrorKind::NotFound,
-                "it is not in the recording's receipt",
+                "it is not in the recording's metadata",
             )
         })
     };

@@ -7,13 +7,13 @@ use palpate_scene::Scene;
 /// with a correctly modelled delay of whole samples.
 #[must_use]
 pub fn of(scene: &Scene) -> Vec<(&'static str, f64)> {
-    let actuation = scene.told_actuation();
+    let actuation = scene.model_actuation();
     let mut lines = Vec::new();
     let truth = &scene.actuator;
     if truth.lag != 0.0 || truth.gain != 1.0 {
         lines.extend([("lag_s", truth.lag), ("gain", truth.gain)]);
     }
-    lines.extend(told(
+    lines.extend(model(
         &actuation,
         scene.delay.whole_samples(),
         scene.loop_params.period,
@@ -22,26 +22,26 @@ pub fn of(scene: &Scene) -> Vec<(&'static str, f64)> {
 }
 
 /// Returns the renderer's model values, by key; empty if the model is only a delay of `samples` whole samples.
-pub fn told(
-    told: &Actuation<f64>,
+pub fn model(
+    model: &Actuation<f64>,
     samples: usize,
     period: f64,
 ) -> impl Iterator<Item = (&'static str, f64)> + use<> {
-    let as_usual = *told == Actuation::after_samples(samples.min(LARGEST_DELAY), period);
-    let transmission = told.transmission.map(|it| {
+    let as_usual = *model == Actuation::after_samples(samples.min(LARGEST_DELAY), period);
+    let transmission = model.transmission.map(|it| {
         [
-            ("told_resonance_hz", it.resonance),
-            ("told_resonance_damping_ratio", it.damping_ratio),
-            ("told_flexible_mass_fraction", it.flexible_mass_fraction),
+            ("model_resonance_hz", it.resonance),
+            ("model_resonance_damping_ratio", it.damping_ratio),
+            ("model_flexible_mass_fraction", it.flexible_mass_fraction),
         ]
     });
     let lines = [
-        ("told_delay_s", told.delay),
-        ("told_lag_s", told.lag),
-        ("told_gain", told.gain),
-        ("told_delay_deviation_s", told.delay_deviation),
-        ("told_lag_deviation_s", told.lag_deviation),
-        ("told_gain_deviation", told.gain_deviation),
+        ("model_delay_s", model.delay),
+        ("model_lag_s", model.lag),
+        ("model_gain", model.gain),
+        ("model_delay_deviation_s", model.delay_deviation),
+        ("model_lag_deviation_s", model.lag_deviation),
+        ("model_gain_deviation", model.gain_deviation),
     ];
     let transmission = transmission.into_iter().flatten();
     lines

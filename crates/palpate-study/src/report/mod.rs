@@ -5,21 +5,21 @@ mod demo;
 mod drawing;
 #[cfg(any(test, feature = "schema"))]
 mod in_json;
+mod metadata;
 mod motion;
 mod parameters;
-mod receipt;
 mod recording;
 mod replayed;
 mod seeds;
 mod text;
 mod timing;
 
-pub use actuator::{of as actuator_of, told as told_lines};
+pub use actuator::{model as actuation_lines, of as actuator_of};
 pub use demo::DemoReport;
 pub use drawing::DrawingReport;
+pub use metadata::{metadata, plant_metadata};
 pub use motion::RecordedMotion;
 pub use parameters::of as parameters_of;
-pub use receipt::{plant_receipt, receipt};
 pub use recording::FromRecording;
 pub use replayed::{HandReport, Replayed};
 pub use seeds::OverSeeds;
@@ -105,10 +105,10 @@ pub struct Report {
     /// Length of the window `[s]`.
     pub window_s: f64,
     /// Zero-order-hold bound: minimum FRE of any held force `[%]`; none without contact.
-    pub hold_floor_percent: Option<f64>,
+    pub hold_bound_percent: Option<f64>,
     /// Spread of the zero-order-hold bound over several seeds.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub hold_floor_over_seeds: Option<Spread>,
+    pub hold_bound_over_seeds: Option<Spread>,
     /// Collisions of the ideal in the window.
     pub ideal_collisions: usize,
     /// Error of the ideal's impulses relative to the largest; 0 if it is exact.
@@ -137,7 +137,7 @@ pub struct MethodReport {
     /// FRE `[%]`; none without contact.
     pub force_rendering_error_percent: Option<f64>,
     /// FRE over the zero-order-hold bound; none if the bound is 0.
-    pub error_over_floor: Option<f64>,
+    pub error_over_bound: Option<f64>,
     /// Strongest held force `[N]`.
     pub peak_force_n: f64,
     /// Strongest pull on the object `[N]`.
@@ -277,7 +277,7 @@ impl Report {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a whole number from 1 to MOST_PERIODS"
+            reason = "a whole number from 1 to MAX_PERIODS"
         )]
         let window_periods = (window / period).round() as usize;
         let object_mass = match subject.contact.object_mass {
@@ -318,11 +318,11 @@ impl Report {
             samples: runs.first().map_or(0, |run| run.ticks.len()),
             window_periods,
             window_s: window_periods as f64 * period,
-            hold_floor_percent: runs
+            hold_bound_percent: runs
                 .iter()
                 .find_map(|run| run.force.fidelity)
-                .map(|fidelity| fidelity.hold_floor),
-            hold_floor_over_seeds: None,
+                .map(|fidelity| fidelity.hold_bound),
+            hold_bound_over_seeds: None,
             ideal_collisions: profile.collisions().len(),
             ideal_error: reference.error,
             ideal_leaves_box_at_s: reference.leaves_box_at,
@@ -383,7 +383,7 @@ impl MethodReport {
             parameters: parameters::of(&run.parameters),
             mean_force_error_percent: fidelity.map(|f| f.mean_force_error),
             force_rendering_error_percent: fidelity.map(|f| f.force_rendering_error),
-            error_over_floor: fidelity.and_then(|f| f.error_over_floor),
+            error_over_bound: fidelity.and_then(|f| f.error_over_bound),
             peak_force_n: run.force.peak_force,
             strongest_pull_n: run.strongest_pull(sign),
             leak_original_j: ledger.original_leak.accumulated,

@@ -157,7 +157,7 @@ impl Replayed {
 
     /// Returns the metadata for a run file.
     #[must_use]
-    pub fn receipt(&self) -> Vec<(String, String)> {
+    pub fn metadata(&self) -> Vec<(String, String)> {
         let hand = match self {
             Self::Motion => return vec![("replay".into(), "motion".into())],
             Self::Hand(hand) => hand,

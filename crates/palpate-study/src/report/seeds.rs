@@ -15,7 +15,7 @@ pub struct OverSeeds {
     /// FRE `[%]`; none if a seed has no contact.
     pub force_rendering_error_percent: Option<Spread>,
     /// FRE over the zero-order-hold bound; `None` if the bound of a seed is 0.
-    pub error_over_floor: Option<Spread>,
+    pub error_over_bound: Option<Spread>,
     /// Strongest held force `[N]`.
     pub peak_force_n: Spread,
     /// Strongest pull on the object `[N]`.
@@ -56,7 +56,7 @@ impl OverSeeds {
         Some(Self {
             mean_force_error_percent: some(&|of| of.mean_force_error_percent),
             force_rendering_error_percent: some(&|of| of.force_rendering_error_percent),
-            error_over_floor: some(&|of| of.error_over_floor),
+            error_over_bound: some(&|of| of.error_over_bound),
             peak_force_n: all(&|of| of.peak_force_n)?,
             strongest_pull_n: all(&|of| of.strongest_pull_n)?,
             leak_held_j: all(&|of| of.leak_held_j)?,
@@ -90,7 +90,7 @@ impl Report {
     /// The report of the first seed, with the spread over the reports of all `further` ones.
     pub fn spread_over(&mut self, further: &[Self]) {
         let all = || std::iter::once(&*self).chain(further);
-        let floors: Option<Vec<f64>> = all().map(|report| report.hold_floor_percent).collect();
+        let floors: Option<Vec<f64>> = all().map(|report| report.hold_bound_percent).collect();
         let floors = floors.and_then(Spread::new);
         let of_methods: Vec<_> = (0..self.methods.len())
             .map(|index| {
@@ -100,7 +100,7 @@ impl Report {
                 OverSeeds::new(&reports)
             })
             .collect();
-        self.hold_floor_over_seeds = floors;
+        self.hold_bound_over_seeds = floors;
         for (method, over_seeds) in self.methods.iter_mut().zip(of_methods) {
             method.over_seeds = over_seeds;
         }

@@ -57,7 +57,7 @@ impl fmt::Display for Report {
         } else {
             writeln!(f, "{}\n", self.methods_in_words())?;
         }
-        if self.says_what_columns_are && self.hold_floor_percent.is_some() {
+        if self.says_what_columns_are && self.hold_bound_percent.is_some() {
             writeln!(f, "{}\n", legend(&[E, FRE, LEAKS]))?;
         }
         if self.seed.is_some() && self.seeds.is_none() {
@@ -69,18 +69,18 @@ impl fmt::Display for Report {
             && self.seeds.is_none()
             && !method.collisions.is_empty()
         {
-            const MOST_COLLISIONS: usize = 12;
+            const MAX_COLLISIONS: usize = 12;
             writeln!(f, "Collision by collision\n")?;
-            writeln!(f, "{}\n", lines(&collision_table(method, MOST_COLLISIONS)))?;
+            writeln!(f, "{}\n", lines(&collision_table(method, MAX_COLLISIONS)))?;
             let has_energies =
                 |collision: &CollisionReport| collision.rebound_energy_error_percent.is_some();
             if method.collisions.iter().any(has_energies) {
                 writeln!(f, "Energy: error of the kinetic energy of the rebound.\n")?;
             }
-            if method.collisions.len() > MOST_COLLISIONS {
+            if method.collisions.len() > MAX_COLLISIONS {
                 writeln!(
                     f,
-                    "The first {MOST_COLLISIONS} of {}; --json has all.",
+                    "The first {MAX_COLLISIONS} of {}; --json has all.",
                     method.collisions.len()
                 )?;
             }
@@ -129,7 +129,7 @@ impl Report {
             "" => String::new(),
             words => format!("\n{}", hanging(&format!("  {words}"), 2)),
         };
-        let floor = self.hold_floor_percent.map_or_else(
+        let floor = self.hold_bound_percent.map_or_else(
             || "no contact".into(),
             |floor| format!("floor {floor:.1} %"),
         );
@@ -165,7 +165,7 @@ impl Report {
     /// Returns the evaluated window and the zero-order-hold bound, in words.
     fn window(&self) -> [String; 2] {
         let nearer = "no held force can be nearer to the ideal than";
-        let floor = match (self.hold_floor_percent, self.hold_floor_over_seeds) {
+        let floor = match (self.hold_bound_percent, self.hold_bound_over_seeds) {
             (_, Some(floors)) => format!("{nearer} {} %", spread(floors, |value| short(value, 2))),
             (Some(floor), None) => format!("{nearer} {floor:.2} %"),
             (None, None) => "the ideal has no contact, so there is no force error".into(),
@@ -191,13 +191,13 @@ impl Report {
 
     /// Returns a warning if some rows compare different collisions.
     fn out_of_step(&self, method: &MethodReport) -> Option<String> {
-        let judged = method.collisions.len();
+        let evaluated = method.collisions.len();
         // One more collision may begin without an end within the window.
-        let most = judged + usize::from(self.ideal_collisions > judged);
+        let most = evaluated + usize::from(self.ideal_collisions > evaluated);
         let rendered = method.rendered_collisions;
-        (!(judged..=most).contains(&rendered)).then(|| {
+        (!(evaluated..=most).contains(&rendered)).then(|| {
             format!(
-                "{} rendered for {judged} ideal ones: from the first that is missing or surplus on, a row \
+                "{} rendered for {evaluated} ideal ones: from the first that is missing or surplus on, a row \
                  compares different collisions.",
                 counted(rendered, "collision")
             )
@@ -268,7 +268,7 @@ impl Report {
                 Cell::new(method.method),
                 cell(over.mean_force_error_percent, &percent),
                 cell(over.force_rendering_error_percent, &percent),
-                cell(over.error_over_floor, &|ratio| short(ratio, 2)),
+                cell(over.error_over_bound, &|ratio| short(ratio, 2)),
                 cell(Some(over.peak_force_n), &digits),
                 cell(Some(over.strongest_pull_n), &digits),
                 cell(millijoules(over.leak_held_j), &digits),
@@ -317,7 +317,7 @@ impl Report {
                 Cell::new(method.method),
                 number(method.mean_force_error_percent, percent),
                 number(method.force_rendering_error_percent, percent),
-                number(method.error_over_floor, |ratio| short(ratio, 2)),
+                number(method.error_over_bound, |ratio| short(ratio, 2)),
                 number(Some(method.peak_force_n), digits),
                 number(Some(method.strongest_pull_n), digits),
                 number(Some(1e3 * method.leak_held_j), digits),

@@ -3,8 +3,8 @@
 use palpate::{Contact, LoopParams, ObjectState};
 use palpate_scene::method::MethodName;
 use palpate_scene::{
-    ActuatorParams, Cogging, Delay, Hand, Measure, PointMassDevice, Scene, SceneDevice, Timing,
-    Told, Transmission,
+    ActuatorParams, Cogging, Delay, Hand, Measure, Model, PointMassDevice, Scene, SceneDevice,
+    Timing, Transmission,
 };
 
 use palpate_calibrate::{ExcitationParams, Quantity};
@@ -64,7 +64,7 @@ pub(super) fn base(chance: &mut Chance) -> RandomPlant {
                 },
                 ..PointMassDevice::default()
             }),
-            told_device_mass: None,
+            model_device_mass: None,
             object_radius: 0.0,
             delay: Delay::NONE,
             timing: Timing {
@@ -72,7 +72,7 @@ pub(super) fn base(chance: &mut Chance) -> RandomPlant {
                 ..Timing::default()
             },
             actuator: ActuatorParams::default(),
-            told: Told::default(),
+            model: Model::default(),
             measure: Measure::Collisions(COLLISIONS),
             method: MethodName::Coupled,
             settings: std::collections::HashMap::new(),
@@ -165,13 +165,13 @@ fn calibrate(scene: &mut Scene, chance: &mut Chance) {
     let of_calibration = third * DELAY_ERROR * PERIOD;
     let of_jitter = truth.delay_deviation.unwrap_or(0.0);
     let deviation = (of_calibration * of_calibration + of_jitter * of_jitter).sqrt();
-    scene.told = Told {
+    scene.model = Model {
         delay: truth.delay.map(|delay| (delay + delay_error).max(0.0)),
         delay_deviation: Some(deviation),
         gain: Some(scene.actuator.gain * (1.0 + gain_error)),
         gain_deviation: Some(third * GAIN_ERROR),
         sensor_noise: truth.sensor_noise,
-        ..Told::default()
+        ..Model::default()
     };
 }
 
@@ -196,8 +196,8 @@ pub(super) fn calibrate_itself(plant: &mut RandomPlant) -> Result<(), DrawError>
         match calibrated::calibrate(&plant.scene, &params) {
             Ok(calibration) => {
                 let scene = &mut plant.scene;
-                scene.told = calibrated::told(&calibration, |_| true);
-                scene.told_device_mass = calibration.value(Quantity::DeviceMass);
+                scene.model = calibrated::model(&calibration, |_| true);
+                scene.model_device_mass = calibration.value(Quantity::DeviceMass);
                 scene.title += &format!(", calibrated with {largest_force} N");
                 if let palpate::Mass::Finite(object) = scene.contact.object_mass
                     && let Some(stiffest) = calibration.stiffest_contact(object, PERIOD)

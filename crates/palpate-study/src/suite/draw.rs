@@ -8,8 +8,8 @@ use super::chance::Chance;
 use super::steps::Step;
 use palpate_scene::method::MethodName;
 use palpate_scene::{
-    ActuatorParams, Delay, Grip, Hand, Intention, Measure, PointMassDevice, Scene, SceneDevice,
-    Timing, Told, Wave,
+    ActuatorParams, Delay, Grip, Hand, Intention, Measure, Model, PointMassDevice, Scene,
+    SceneDevice, Timing, Wave,
 };
 use palpate_sim::closed_loop::{LoopError, object_mass};
 use palpate_sim::sampled_loop::device_of;
@@ -22,11 +22,11 @@ pub(super) const GRAVITY: f64 = 9.81;
 const SEARCHES: [f64; 2] = [0.4, 2.0];
 /// Minimum distance of object and device after the last collision `[m]`; below it the end of the collision is
 /// ambiguous.
-const LEAST_PARTING: f64 = 1e-5;
+const MIN_PARTING: f64 = 1e-5;
 /// Step of the search for collisions `[s]`; the reference solution of a plant is finer.
 const SEARCH_STEP: f64 = 1e-4;
 /// Maximum number of draws for one plant. One in six is drawn again.
-const MOST_DRAWS: u32 = 1000;
+const MAX_DRAWS: u32 = 1000;
 
 /// A plant drawn at random.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +53,7 @@ pub struct RandomPlant {
 #[non_exhaustive]
 pub enum DrawError {
     /// None of the draws collides often enough.
-    #[error("plant {0}: none of {MOST_DRAWS} draws collides {COLLISIONS} times")]
+    #[error("plant {0}: none of {MAX_DRAWS} draws collides {COLLISIONS} times")]
     NeverCollides(usize),
     /// The bench cannot run a draw.
     #[error("plant {0}: {1}")]
@@ -83,7 +83,7 @@ pub(super) fn colliding(
     steps: &[Step],
 ) -> Result<RandomPlant, DrawError> {
     let mut chance = Chance::new(seed, index as u64);
-    for redrawn in 0..MOST_DRAWS {
+    for redrawn in 0..MAX_DRAWS {
         let mut plant = draw(&mut chance);
         let mut all = collides(&plant.scene).map_err(|error| DrawError::Bench(index, error))?;
         for step in steps {
@@ -136,7 +136,7 @@ fn draw(chance: &mut Chance) -> RandomPlant {
     let user_force = mass * push;
     let rubs = chance.happens(0.5);
     let encoder_quantum = chance.one_of([0.0, 1e-6, 1e-5]);
-    let told_device_mass = mass * chance.log_between(0.5, 2.0);
+    let model_device_mass = mass * chance.log_between(0.5, 2.0);
     let is_held = !chance.happens(0.4);
     let grip = grip(chance, mass);
     let tremor = tremor(chance, user_force);
@@ -173,12 +173,12 @@ fn draw(chance: &mut Chance) -> RandomPlant {
                 },
                 ..PointMassDevice::default()
             }),
-            told_device_mass: Some(told_device_mass),
+            model_device_mass: Some(model_device_mass),
             object_radius: 0.0,
             delay: Delay::NONE,
             timing: Timing::default(),
             actuator: ActuatorParams::default(),
-            told: Told::default(),
+            model: Model::default(),
             measure: Measure::Collisions(COLLISIONS),
             method: MethodName::default(),
             settings: std::collections::HashMap::new(),
@@ -229,5 +229,5 @@ fn collides_within(scene: &Scene, duration: f64) -> Result<bool, LoopError> {
         .record
         .iter()
         .filter(|at| at.time > end && at.time < next)
-        .any(|at| at.object_position - at.device_position > LEAST_PARTING))
+        .any(|at| at.object_position - at.device_position > MIN_PARTING))
 }

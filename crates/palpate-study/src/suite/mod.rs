@@ -25,7 +25,7 @@ pub use steps::Step;
 
 use std::ops::Range;
 
-use palpate_testbed::metrics::{Fidelity, ForceJudgement};
+use palpate_testbed::metrics::{Fidelity, ForceEvaluation};
 use rayon::prelude::*;
 
 use palpate_sim::closed_loop::{Bench, LoopError};
@@ -35,14 +35,14 @@ use palpate_sim::closed_loop::{Bench, LoopError};
 pub const DELAYS: [usize; 2] = [0, 1];
 
 /// Maximum number of plants.
-pub const MOST_PLANTS: u32 = 1_000_000;
+pub const MAX_PLANTS: u32 = 1_000_000;
 
 /// Number of collisions of the ideal in the evaluation of a plant.
 pub const COLLISIONS: usize = 3;
 
 /// A plant with the results of every column.
 #[derive(Clone, Debug)]
-pub struct Judged {
+pub struct Evaluated {
     /// The plant.
     pub plant: RandomPlant,
     /// Window `[periods]`.
@@ -73,7 +73,7 @@ pub struct Trial {
     /// Errors over the window.
     pub fidelity: Fidelity,
     /// Evaluation of the force, collision by collision.
-    pub force: ForceJudgement,
+    pub force: ForceEvaluation,
     /// Whether the loop diverged.
     pub diverged: bool,
 }
@@ -115,7 +115,7 @@ pub fn run(
     plants: usize,
     columns: &[Column],
     done: impl Fn() + Sync,
-) -> Result<Vec<Judged>, SuiteError> {
+) -> Result<Vec<Evaluated>, SuiteError> {
     run_part(set, seed, 0..plants, columns, done)
 }
 
@@ -130,14 +130,14 @@ pub fn run_part(
     plants: Range<usize>,
     columns: &[Column],
     done: impl Fn() + Sync,
-) -> Result<Vec<Judged>, SuiteError> {
+) -> Result<Vec<Evaluated>, SuiteError> {
     let conditions = set.conditions();
     plants
         .into_par_iter()
         .map(|index| {
-            let judged = judge(set.draw(seed, index)?, &conditions, columns);
+            let evaluated = evaluate(set.draw(seed, index)?, &conditions, columns);
             done();
-            judged
+            evaluated
         })
         // A caller cancels the rest by a panic in `done`.
         .panic_fuse()
@@ -150,11 +150,11 @@ fn peak(bench: &Bench<'_>) -> f64 {
     collisions.map(|one| one.peak_force).fold(0.0, f64::max)
 }
 
-fn judge(
+fn evaluate(
     plant: RandomPlant,
     conditions: &[Condition],
     columns: &[Column],
-) -> Result<Judged, SuiteError> {
+) -> Result<Evaluated, SuiteError> {
     let index = plant.index;
     let of_plant = |error| SuiteError::Plant {
         plant: index,
@@ -165,7 +165,7 @@ fn judge(
     let mut trials = Vec::with_capacity(conditions.len() * columns.len());
     for (place, condition) in conditions.iter().enumerate() {
         let scene = condition.of(&plant);
-        let own = (!shared.judges(&scene)).then(|| Bench::new(&scene));
+        let own = (!shared.evaluates(&scene)).then(|| Bench::new(&scene));
         let own = own.transpose().map_err(of_plant)?;
         let bench = own.as_ref().unwrap_or(&shared);
         for (number, column) in columns.iter().enumerate() {
@@ -202,7 +202,7 @@ fn judge(
         }
     }
     let reference = shared.reference();
-    Ok(Judged {
+    Ok(Evaluated {
         periods: reference.profile.intervals(),
         ideal_error: reference.error,
         ideal_peak: peak(&shared),

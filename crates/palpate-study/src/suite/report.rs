@@ -7,7 +7,9 @@ use comfy_table::{Cell, CellAlignment, Table};
 use serde::Serialize;
 
 use super::spread::summary_of;
-use super::{COLLISIONS, Column, Condition, Judged, Score, Set, Spread, Summary, plants, scores};
+use super::{
+    COLLISIONS, Column, Condition, Evaluated, Score, Set, Spread, Summary, plants, scores,
+};
 use crate::text::{E, FRE, counted, legend, lines, number, percent, plain_table, short, wrapped};
 
 /// Name and version of the JSON report.
@@ -84,7 +86,7 @@ pub struct ConditionReport {
     /// Mean-force error E `[%]`.
     pub mean_force_error_percent: Quantiles,
     /// FRE over the zero-order-hold bound.
-    pub error_over_floor: Quantiles,
+    pub error_over_bound: Quantiles,
     /// Peak force over that of the ideal.
     pub peak_over_ideal_peak: Quantiles,
     /// Number of plants on which the loop diverged.
@@ -110,7 +112,7 @@ pub struct OverSeeds {
     /// Largest E `[%]`.
     pub largest_percent: Spread,
     /// Median of FRE over the zero-order-hold bound.
-    pub error_over_floor: Spread,
+    pub error_over_bound: Spread,
     /// Number of plants on which the loop diverged.
     pub diverged: Spread,
 }
@@ -122,7 +124,7 @@ impl OverSeeds {
             median_percent: spread(&|of| of.error[0])?,
             quantile_90_percent: spread(&|of| of.error[2])?,
             largest_percent: spread(&|of| of.error[3])?,
-            error_over_floor: spread(&|of| of.error_over_floor[0])?,
+            error_over_bound: spread(&|of| of.error_over_bound[0])?,
             diverged: spread(&|of| of.diverged as f64)?,
         })
     }
@@ -162,9 +164,9 @@ impl ConditionReport {
                 quantile_90: Some(nine_tenths),
                 largest: Some(largest),
             },
-            error_over_floor: Quantiles {
-                median: summary.error_over_floor[0],
-                quantile_90: Some(summary.error_over_floor[1]),
+            error_over_bound: Quantiles {
+                median: summary.error_over_bound[0],
+                quantile_90: Some(summary.error_over_bound[1]),
                 ..Quantiles::default()
             },
             peak_over_ideal_peak: Quantiles {
@@ -191,8 +193,8 @@ impl ColumnReport {
 impl SuiteReport {
     /// Creates the report of the result of [`run`](super::run) for `set`, `seed` and `columns`.
     #[must_use]
-    pub fn new(set: Set, seed: u64, columns: &[Column], judged: &[Judged]) -> Self {
-        Self::of_scores(set, seed, columns, &scores(judged))
+    pub fn new(set: Set, seed: u64, columns: &[Column], evaluated: &[Evaluated]) -> Self {
+        Self::of_scores(set, seed, columns, &scores(evaluated))
     }
 
     /// Creates the report of the scores of consecutive seeds starting at `first`, grouped by seed.
@@ -381,8 +383,8 @@ fn quantile_table(columns: &[(&str, &ConditionReport)]) -> Table {
             number(error.quantile_75, percent),
             number(error.quantile_90, percent),
             number(error.largest, percent),
-            ratio(Some(found.error_over_floor.median)),
-            ratio(found.error_over_floor.quantile_90),
+            ratio(Some(found.error_over_bound.median)),
+            ratio(found.error_over_bound.quantile_90),
             ratio(Some(found.peak_over_ideal_peak.median)),
             ratio(found.peak_over_ideal_peak.largest),
             number(Some(found.diverged as f64), |count| count.to_string()),
@@ -415,7 +417,7 @@ fn spread_table(columns: &[(&str, &ConditionReport)]) -> Table {
                 (over.median_percent, 1),
                 (over.quantile_90_percent, 1),
                 (over.largest_percent, 1),
-                (over.error_over_floor, 2),
+                (over.error_over_bound, 2),
                 (over.diverged, 0),
             ];
             cells.extend(spreads.map(|(spread, decimals)| {

@@ -1,6 +1,6 @@
 //! Input numbers of a report on a suite.
 
-use super::Judged;
+use super::Evaluated;
 
 /// Result of one column on one plant under one condition, reduced to the reported numbers. Scores of several parts of
 /// a suite can be combined into the report of the whole.
@@ -19,7 +19,7 @@ pub struct Score {
     /// Mean-force error E `[%]`.
     pub error: f64,
     /// FRE over the zero-order-hold bound; infinite if the bound is 0.
-    pub error_over_floor: f64,
+    pub error_over_bound: f64,
     /// Largest held force over the largest of the ideal.
     pub peak_ratio: f64,
     /// Whether the loop diverged.
@@ -30,7 +30,7 @@ pub struct Score {
     pub limited: usize,
 }
 
-impl Judged {
+impl Evaluated {
     /// Returns a score per trial, in order.
     pub fn scores(&self) -> impl Iterator<Item = Score> {
         self.trials.iter().map(|trial| Score {
@@ -40,7 +40,7 @@ impl Judged {
             condition: trial.condition,
             column: trial.column,
             error: trial.fidelity.mean_force_error,
-            error_over_floor: trial.fidelity.error_over_floor.unwrap_or(f64::INFINITY),
+            error_over_bound: trial.fidelity.error_over_bound.unwrap_or(f64::INFINITY),
             peak_ratio: trial.force.peak_force / trial.ideal_peak,
             diverged: trial.diverged,
             samples: trial.samples,
@@ -51,8 +51,8 @@ impl Judged {
 
 /// Returns the scores of all of these plants.
 #[must_use]
-pub fn scores(judged: &[Judged]) -> Vec<Score> {
-    judged.iter().flat_map(Judged::scores).collect()
+pub fn scores(evaluated: &[Evaluated]) -> Vec<Score> {
+    evaluated.iter().flat_map(Evaluated::scores).collect()
 }
 
 /// Returns the number of plants of scores that are grouped by plant.

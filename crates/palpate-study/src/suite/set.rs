@@ -4,7 +4,7 @@ use std::fmt;
 
 use palpate::Transmission;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Delay, Scene, Told};
+use palpate_scene::{Delay, Model, Scene};
 
 use super::DELAYS;
 use super::column::{Column, Dampings};
@@ -38,7 +38,7 @@ pub enum Condition {
     /// The same delay, with a model delay of 0 in every renderer.
     UnmodelledDelay(usize),
     /// The renderer's model of the actuator.
-    Told(Telling),
+    Model(Telling),
     /// One imperfection.
     Step(Step),
 }
@@ -90,10 +90,10 @@ impl Set {
             }
             Self::Desk | Self::Real => {
                 let tellings = [Telling::Nothing, Telling::Truth, Telling::Calibrated];
-                tellings.map(Condition::Told).to_vec()
+                tellings.map(Condition::Model).to_vec()
             }
             Self::Calibrated => [Telling::Truth, Telling::Measured]
-                .map(Condition::Told)
+                .map(Condition::Model)
                 .to_vec(),
             Self::Steps => Step::ALL.map(Condition::Step).to_vec(),
         }
@@ -160,7 +160,7 @@ impl Condition {
     pub fn delay(self) -> Option<usize> {
         match self {
             Self::Delay(delay) | Self::UnmodelledDelay(delay) => Some(delay),
-            Self::Told(_) | Self::Step(_) => None,
+            Self::Model(_) | Self::Step(_) => None,
         }
     }
 
@@ -170,7 +170,7 @@ impl Condition {
         match self {
             Self::Delay(delay) => Some(delay),
             Self::UnmodelledDelay(_) => Some(0),
-            Self::Told(_) | Self::Step(_) => None,
+            Self::Model(_) | Self::Step(_) => None,
         }
     }
 
@@ -182,9 +182,9 @@ impl Condition {
             Self::Delay(delay) => scene.delay = Delay::samples(delay),
             Self::UnmodelledDelay(delay) => {
                 scene.delay = Delay::samples(delay);
-                scene.told.delay = Some(0.0);
+                scene.model.delay = Some(0.0);
             }
-            Self::Told(telling) => telling.tell(&mut scene),
+            Self::Model(telling) => telling.tell(&mut scene),
             Self::Step(step) => step.change(&mut scene),
         }
         scene
@@ -195,20 +195,20 @@ impl Telling {
     fn tell(self, scene: &mut Scene) {
         match self {
             Self::Nothing => {
-                scene.told_device_mass = None;
-                scene.told = Told {
+                scene.model_device_mass = None;
+                scene.model = Model {
                     delay: Some(0.0),
                     lag: Some(0.0),
                     gain: Some(1.0),
-                    ..Told::default()
+                    ..Model::default()
                 };
             }
             Self::Truth => {
-                scene.told_device_mass = None;
-                scene.told = truth(scene);
-                if scene.told.transmission.is_some() {
+                scene.model_device_mass = None;
+                scene.model = truth(scene);
+                if scene.model.transmission.is_some() {
                     let of_hand = scene.device.grip().map_or(0.0, |grip| grip.mass);
-                    scene.told_device_mass = Some(scene.device.mass() + of_hand);
+                    scene.model_device_mass = Some(scene.device.mass() + of_hand);
                 }
             }
             // The scene already contains the model.
@@ -219,14 +219,14 @@ impl Telling {
 
 /// Returns the true values of a scene as model values: the mean command delay, the standard deviation of its jitter,
 /// the sensor noise and the transmission. Lag and gain are unset, which means their true values.
-pub(super) fn truth(scene: &Scene) -> Told {
+pub(super) fn truth(scene: &Scene) -> Model {
     let jitter = scene.timing.command_jitter;
-    Told {
+    Model {
         delay: Some(scene.delay.seconds() + 0.5 * jitter),
         delay_deviation: (jitter > 0.0).then(|| jitter / 12.0_f64.sqrt()),
         sensor_noise: true_noise(scene),
         transmission: true_transmission(scene),
-        ..Told::default()
+        ..Model::default()
     }
 }
 
@@ -255,7 +255,7 @@ fn true_transmission(scene: &Scene) -> Option<Transmission<f64>> {
     })
 }
 
-/// Formats a condition, for example `no delay`, `1 sample of delay`, `told the truth`.
+/// Formats a condition, for example `no delay`, `1 sample of delay`, `model the truth`.
 impl fmt::Display for Condition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -264,10 +264,10 @@ impl fmt::Display for Condition {
             Self::UnmodelledDelay(delay) => {
                 write!(f, "{} of delay, unmodelled", counted(*delay, "sample"))
             }
-            Self::Told(Telling::Nothing) => f.write_str("told nothing"),
-            Self::Told(Telling::Truth) => f.write_str("told the truth"),
-            Self::Told(Telling::Calibrated) => f.write_str("told as calibrated"),
-            Self::Told(Telling::Measured) => f.write_str("told by its own calibration"),
+            Self::Model(Telling::Nothing) => f.write_str("told nothing"),
+            Self::Model(Telling::Truth) => f.write_str("told the truth"),
+            Self::Model(Telling::Calibrated) => f.write_str("told as calibrated"),
+            Self::Model(Telling::Measured) => f.write_str("told by its own calibration"),
             Self::Step(step) => f.write_str(step.in_words()),
         }
     }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Judged, Score, scores};
+use super::{Evaluated, Score, scores};
 use crate::text::short;
 
 /// Results of a column over all plants under one condition.
@@ -15,7 +15,7 @@ pub struct Summary {
     /// Mean-force error E `[%]`: median, 75 %, 90 %, largest.
     pub error: [f64; 4],
     /// FRE over the zero-order-hold bound: median and 90 %.
-    pub error_over_floor: [f64; 2],
+    pub error_over_bound: [f64; 2],
     /// Number of plants on which the loop diverged.
     pub diverged: usize,
     /// Number of plants on which a limit or a guard changed a force.
@@ -29,8 +29,8 @@ pub struct Summary {
 /// Returns the summary of `column` under the `condition` of this index in the set; `None` without a plant. In the
 /// paper's set the index equals the delay.
 #[must_use]
-pub fn summary(judged: &[Judged], column: usize, condition: usize) -> Option<Summary> {
-    summary_of(&scores(judged), column, condition)
+pub fn summary(evaluated: &[Evaluated], column: usize, condition: usize) -> Option<Summary> {
+    summary_of(&scores(evaluated), column, condition)
 }
 
 /// Returns the [`summary`] of scores.
@@ -46,7 +46,7 @@ pub(super) fn summary_of(scores: &[Score], column: usize, condition: usize) -> O
         values
     };
     let errors = sorted(&|score| score.error);
-    let ratios = sorted(&|score| score.error_over_floor);
+    let ratios = sorted(&|score| score.error_over_bound);
     let peaks = sorted(&|score| score.peak_ratio);
     Some(Summary {
         column,
@@ -57,7 +57,7 @@ pub(super) fn summary_of(scores: &[Score], column: usize, condition: usize) -> O
             quantile(&errors, 0.9)?,
             quantile(&errors, 1.0)?,
         ],
-        error_over_floor: [quantile(&ratios, 0.5)?, quantile(&ratios, 0.9)?],
+        error_over_bound: [quantile(&ratios, 0.5)?, quantile(&ratios, 0.9)?],
         diverged: trials().filter(|score| score.diverged).count(),
         held_back: trials().filter(|score| score.limited > 0).count(),
         limited: {

@@ -1,6 +1,6 @@
 //! One imperfection at a time of a loop, its actuator or its device.
 
-use palpate_scene::{ActuatorParams, Delay, Scene, Told, Transmission};
+use palpate_scene::{ActuatorParams, Delay, Model, Scene, Transmission};
 
 use super::set::{true_noise, truth};
 
@@ -10,11 +10,11 @@ use super::set::{true_noise, truth};
 pub enum Step {
     Nothing,
     ShortDelay,
-    DelayUntold,
-    DelayTold,
+    DelayUnmodelled,
+    DelayModelled,
     Lag,
     LagAndDelay,
-    LagAndDelayMistold,
+    LagAndDelayMismatched,
     Jitter,
     Gain,
     Quantum,
@@ -22,11 +22,11 @@ pub enum Step {
     Friction,
     Noise,
     /// The same noise, modelled.
-    NoiseTold,
+    NoiseModelled,
 }
 
 /// Error of a wrong model delay `[periods]`.
-const MISTOLD: f64 = 0.02;
+const MISMATCH: f64 = 0.02;
 /// Lag of the steps with a lag `[s]`.
 const LAG: f64 = 3e-4;
 
@@ -35,18 +35,18 @@ impl Step {
     pub const ALL: [Self; 14] = [
         Self::Nothing,
         Self::ShortDelay,
-        Self::DelayUntold,
-        Self::DelayTold,
+        Self::DelayUnmodelled,
+        Self::DelayModelled,
         Self::Lag,
         Self::LagAndDelay,
-        Self::LagAndDelayMistold,
+        Self::LagAndDelayMismatched,
         Self::Jitter,
         Self::Gain,
         Self::Quantum,
         Self::Flexible,
         Self::Friction,
         Self::Noise,
-        Self::NoiseTold,
+        Self::NoiseModelled,
     ];
 
     /// Steps that change the device, and thereby the ideal.
@@ -58,18 +58,18 @@ impl Step {
         match self {
             Self::Nothing => "a perfect loop",
             Self::ShortDelay => "delay .03 T, untold",
-            Self::DelayUntold => "delay .3 T, untold",
-            Self::DelayTold => "delay .3 T, told .3 T",
+            Self::DelayUnmodelled => "delay .3 T, untold",
+            Self::DelayModelled => "delay .3 T, told .3 T",
             Self::Lag => "lag .3 ms, untold",
             Self::LagAndDelay => "lag .3 ms + delay .5 T, both told",
-            Self::LagAndDelayMistold => "the same, the delay told .02 T wrong",
+            Self::LagAndDelayMismatched => "the same, the delay told .02 T wrong",
             Self::Jitter => "jitter 0-.1 T, mean told",
             Self::Gain => "gain .9, untold",
             Self::Quantum => "lag .3 ms + delay .5 T told, quantum 10 um",
             Self::Flexible => "flexible 150 Hz",
             Self::Friction => "friction 30 % of the user's force",
             Self::Noise => "sensor noise 5 um, untold",
-            Self::NoiseTold => "sensor noise 5 um, told",
+            Self::NoiseModelled => "sensor noise 5 um, told",
         }
     }
 
@@ -83,47 +83,47 @@ impl Step {
                 ..ActuatorParams::default()
             };
         };
-        let untold = Told {
+        let unmodelled = Model {
             delay: Some(0.0),
             lag: Some(0.0),
             gain: Some(1.0),
-            ..Told::default()
+            ..Model::default()
         };
         match self {
             Self::Nothing => {}
             Self::ShortDelay => {
                 late(scene, 0.03);
-                scene.told = untold;
+                scene.model = unmodelled;
             }
-            Self::DelayUntold => {
+            Self::DelayUnmodelled => {
                 late(scene, 0.3);
-                scene.told = untold;
+                scene.model = unmodelled;
             }
-            Self::DelayTold => late(scene, 0.3),
+            Self::DelayModelled => late(scene, 0.3),
             Self::Lag => {
                 lagging(scene);
-                scene.told = untold;
+                scene.model = unmodelled;
             }
             Self::LagAndDelay => {
                 lagging(scene);
                 late(scene, 0.5);
             }
-            Self::LagAndDelayMistold => {
+            Self::LagAndDelayMismatched => {
                 lagging(scene);
                 late(scene, 0.5);
                 // Too long on every second plant, too short on the others.
                 let is_even = scene.timing.seed.is_multiple_of(2);
-                let error = if is_even { MISTOLD } else { -MISTOLD };
-                scene.told.delay = Some((0.5 + error) * period);
-                scene.told.delay_deviation = Some(MISTOLD * period);
+                let error = if is_even { MISMATCH } else { -MISMATCH };
+                scene.model.delay = Some((0.5 + error) * period);
+                scene.model.delay_deviation = Some(MISMATCH * period);
             }
             Self::Jitter => {
                 scene.timing.command_jitter = 0.1 * period;
-                scene.told = truth(scene);
+                scene.model = truth(scene);
             }
             Self::Gain => {
                 scene.actuator.gain = 0.9;
-                scene.told = untold;
+                scene.model = unmodelled;
             }
             Self::Quantum => {
                 lagging(scene);
@@ -147,12 +147,12 @@ impl Step {
                     device.coulomb_friction = 0.3 * device.hand.force;
                 }
             }
-            Self::Noise | Self::NoiseTold => {
+            Self::Noise | Self::NoiseModelled => {
                 if let Some(device) = scene.device.point_mass_mut() {
                     device.noise = 5e-6;
                 }
-                if self == Self::NoiseTold {
-                    scene.told.sensor_noise = true_noise(scene);
+                if self == Self::NoiseModelled {
+                    scene.model.sensor_noise = true_noise(scene);
                 }
             }
         }

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::ops::Range;
 
-use super::{COLLISIONS, Column, Judged, Set, Trial};
+use super::{COLLISIONS, Column, Evaluated, Set, Trial};
 use palpate::Mass;
 use palpate_record::run::{Cell, RunWriteError, RunWriter};
 
@@ -13,7 +13,7 @@ const PLANT: [&str; 25] = [
     "plant",
     "redrawn",
     "device_mass_kg",
-    "told_device_mass_kg",
+    "model_device_mass_kg",
     "period_s",
     "kappa",
     "object_kappa",
@@ -33,7 +33,7 @@ const PLANT: [&str; 25] = [
     "periods",
     "ideal_error",
     "ideal_peak_force_n",
-    "hold_floor_percent",
+    "hold_bound_percent",
 ];
 
 /// Further columns with the properties of a plant in sets with real actuators: the true values, and the model values
@@ -43,9 +43,9 @@ const ACTUATOR: [&str; 15] = [
     "command_jitter_s",
     "lag_s",
     "gain",
-    "told_delay_s",
-    "told_lag_s",
-    "told_gain",
+    "model_delay_s",
+    "model_lag_s",
+    "model_gain",
     "resonance_hz",
     "resonance_damping_ratio",
     "motor_mass_share",
@@ -65,7 +65,7 @@ const TRIAL: [&str; 10] = [
     "limited",
     "mean_force_error_percent",
     "force_rendering_error_percent",
-    "error_over_floor",
+    "error_over_bound",
     "peak_force_n",
     "diverged",
 ];
@@ -76,21 +76,21 @@ pub fn write(
     set: Set,
     seeds: &Range<u64>,
     columns: &[Column],
-    judged: &[Judged],
+    evaluated: &[Evaluated],
 ) -> Result<(), RunWriteError> {
     let is_paper = set == Set::Paper;
     let conditions = set.conditions();
     let in_words: Vec<String> = conditions.iter().map(ToString::to_string).collect();
-    let mut receipt = vec![
+    let mut metadata = vec![
         ("palpate_version", env!("CARGO_PKG_VERSION").to_owned()),
         ("seed", seeds.start.to_string()),
-        ("plants", judged.len().to_string()),
+        ("plants", evaluated.len().to_string()),
     ];
     if seeds.end - seeds.start > 1 {
-        receipt.push(("seeds", (seeds.end - seeds.start).to_string()));
+        metadata.push(("seeds", (seeds.end - seeds.start).to_string()));
     }
     if !is_paper {
-        receipt.push(("set", set.name().to_owned()));
+        metadata.push(("set", set.name().to_owned()));
     }
     let of_collisions: Vec<String> = (1..=COLLISIONS)
         .flat_map(|number| {
@@ -106,8 +106,8 @@ pub fn write(
     }
     header.extend(TRIAL);
     header.extend(of_collisions.iter().map(String::as_str));
-    let mut file = RunWriter::new(writer, &receipt, &header)?;
-    for one in judged {
+    let mut file = RunWriter::new(writer, &metadata, &header)?;
+    for one in evaluated {
         let mut plant = plant_cells(one).to_vec();
         if !is_paper {
             plant.extend(actuator_cells(one));
@@ -130,7 +130,7 @@ pub fn write(
 }
 
 /// Returns the values in the order of [`PLANT`]; values of a missing hand or tremor are empty.
-fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
+fn plant_cells(one: &Evaluated) -> [f64; PLANT.len()] {
     let (plant, scene) = (&one.plant, &one.plant.scene);
     let grip = |value: fn(&palpate_scene::Grip) -> f64| scene.device.grip().map_or(f64::NAN, value);
     let tremor = |value: fn(&palpate_scene::Wave) -> f64| {
@@ -141,7 +141,7 @@ fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
         plant.index as f64,
         f64::from(plant.redrawn),
         scene.device.mass(),
-        scene.told_device_mass.unwrap_or(scene.device.mass()),
+        scene.model_device_mass.unwrap_or(scene.device.mass()),
         scene.loop_params.period,
         plant.kappa,
         plant.object_kappa,
@@ -166,14 +166,14 @@ fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
         one.ideal_peak,
         one.trials
             .first()
-            .map_or(f64::NAN, |trial| trial.fidelity.hold_floor),
+            .map_or(f64::NAN, |trial| trial.fidelity.hold_bound),
     ]
 }
 
 /// Returns the values in the order of [`ACTUATOR`]; values of a missing transmission or cogging are empty.
-fn actuator_cells(one: &Judged) -> [f64; ACTUATOR.len()] {
+fn actuator_cells(one: &Evaluated) -> [f64; ACTUATOR.len()] {
     let scene = &one.plant.scene;
-    let told = scene.told_actuation();
+    let model = scene.model_actuation();
     let device = scene.device.point_mass();
     let transmission = device.and_then(|device| device.transmission);
     let cogging = device.and_then(|device| device.cogging);
@@ -184,9 +184,9 @@ fn actuator_cells(one: &Judged) -> [f64; ACTUATOR.len()] {
         scene.timing.command_jitter,
         scene.actuator.lag,
         scene.actuator.gain,
-        told.delay,
-        told.lag,
-        told.gain,
+        model.delay,
+        model.lag,
+        model.gain,
         of_transmission(|one| one.resonance_hz),
         of_transmission(|one| one.damping_ratio),
         of_transmission(|one| one.motor_share),
@@ -211,7 +211,7 @@ fn trial_cells<'a>(trial: &Trial, columns: &'a [Column]) -> Vec<Cell<'a>> {
         Cell::from(trial.limited as f64),
         trial.fidelity.mean_force_error.into(),
         trial.fidelity.force_rendering_error.into(),
-        trial.fidelity.error_over_floor.unwrap_or(f64::NAN).into(),
+        trial.fidelity.error_over_bound.unwrap_or(f64::NAN).into(),
         trial.force.peak_force.into(),
         Cell::from(if trial.diverged { "yes" } else { "no" }),
     ];

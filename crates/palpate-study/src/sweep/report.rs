@@ -49,7 +49,7 @@ pub struct ValueReport {
     /// The value.
     pub value: f64,
     /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
-    pub hold_floor_percent: f64,
+    pub hold_bound_percent: f64,
     /// Strongest force of the ideal `[N]`.
     pub ideal_peak_force_n: f64,
     /// One entry for each column.
@@ -124,7 +124,7 @@ impl ValueReport {
         let ideal = swept.first();
         Self {
             value,
-            hold_floor_percent: ideal.map_or(0.0, |swept| swept.own.hold_floor),
+            hold_bound_percent: ideal.map_or(0.0, |swept| swept.own.hold_bound),
             ideal_peak_force_n: ideal.map_or(0.0, |swept| swept.ideal_peak_force),
             columns: columns
                 .iter()
@@ -164,7 +164,7 @@ impl fmt::Display for SweepReport {
             writeln!(
                 f,
                 "\n{} {}{unit}: floor {:.2} %, peak of the ideal {:.2} N\n",
-                self.over, at.value, at.hold_floor_percent, at.ideal_peak_force_n
+                self.over, at.value, at.hold_bound_percent, at.ideal_peak_force_n
             )?;
             let heights = at.columns.iter().any(|of| of.left_box_heights.is_some());
             let mut header = vec!["method", "FRE %"];

@@ -124,8 +124,8 @@ impl Tunable {
     pub fn softer(self, scale: Scale) -> Vec<WorldSettings> {
         let couplings = match self {
             Self::VirtualDamper => Vec::new(),
-            Self::VirtualCoupling => Self::avatars(scale, &SOFTER, &[0.1, 0.5, 2.0]),
-            Self::GodObject => Self::proxies(scale, &SOFTER),
+            Self::VirtualCoupling => Self::couplings_of(scale, &SOFTER, &[0.1, 0.5, 2.0]),
+            Self::GodObject => Self::god_objects(scale, &SOFTER),
         };
         Self::each(scale, couplings, |coupling| self.dampings(scale, coupling))
     }
@@ -138,8 +138,8 @@ impl Tunable {
     ) -> Vec<WorldSettings> {
         let couplings = match self {
             Self::VirtualDamper => vec![Coupling::default()],
-            Self::VirtualCoupling => Self::avatars(scale, &[0.1, 0.3, 1.0, 3.0], &[0.1, 0.5]),
-            Self::GodObject => Self::proxies(scale, &[0.1, 0.3, 1.0]),
+            Self::VirtualCoupling => Self::couplings_of(scale, &[0.1, 0.3, 1.0, 3.0], &[0.1, 0.5]),
+            Self::GodObject => Self::god_objects(scale, &[0.1, 0.3, 1.0]),
         };
         Self::each(scale, couplings, dampings)
     }
@@ -165,7 +165,7 @@ impl Tunable {
     }
 
     /// Returns the settings of a virtual coupling: stiffnesses over K, each with masses over m.
-    fn avatars(scale: Scale, stiffnesses: &[f64], masses: &[f64]) -> Vec<Coupling> {
+    fn couplings_of(scale: Scale, stiffnesses: &[f64], masses: &[f64]) -> Vec<Coupling> {
         let parts = stiffnesses.iter();
         let parts = parts.flat_map(|k| masses.iter().map(|m| (*k, *m)));
         parts
@@ -179,7 +179,7 @@ impl Tunable {
     }
 
     /// Returns the settings of a god-object: stiffnesses over K.
-    fn proxies(scale: Scale, stiffnesses: &[f64]) -> Vec<Coupling> {
+    fn god_objects(scale: Scale, stiffnesses: &[f64]) -> Vec<Coupling> {
         let proxy = |share: &f64| Coupling {
             stiffness: Some(share * scale.stiffness),
             ..Coupling::default()

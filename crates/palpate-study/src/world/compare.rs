@@ -24,10 +24,10 @@ pub const COLUMNS: [&str; 16] = [
     "method",
     "tuned",
     "period_s",
-    "hold_floor_percent",
+    "hold_bound_percent",
     "mean_force_error_percent",
     "force_rendering_error_percent",
-    "error_over_floor",
+    "error_over_bound",
     "peak_over_ideal",
     "leak_j",
     "refused_samples",
@@ -65,7 +65,7 @@ pub struct WorldRows {
     /// Length of the evaluated window.
     pub window_s: f64,
     /// Zero-order-hold bound: minimum FRE of any held force; none if the ideal touches no tool.
-    pub hold_floor_percent: Option<f64>,
+    pub hold_bound_percent: Option<f64>,
     /// Mean-force error between the ideal and the ideal with coarser steps.
     pub ideal_error_percent: Option<f64>,
     /// One entry for each method.
@@ -118,7 +118,7 @@ pub struct WorldFigures {
     /// FRE over all devices and axes; none without contact.
     pub force_rendering_error_percent: Option<f64>,
     /// FRE over the zero-order-hold bound; none if the bound is 0.
-    pub error_over_floor: Option<f64>,
+    pub error_over_bound: Option<f64>,
     /// Largest peak force of a device over that of the ideal.
     pub peak_over_ideal: Option<f64>,
     /// Generated energy of the held forces: the total energy gain of hands, bodies, contacts and dissipation.
@@ -138,7 +138,7 @@ impl WorldFigures {
             settings,
             mean_force_error_percent: report.sum.map(|sum| sum.mean_force_error_percent),
             force_rendering_error_percent: report.sum.map(|sum| sum.force_rendering_error_percent),
-            error_over_floor: report.sum.and_then(|sum| sum.error_over_floor),
+            error_over_bound: report.sum.and_then(|sum| sum.error_over_bound),
             peak_over_ideal: peaks.reduce(f64::max),
             leak_j: report.leak_j,
             refused_samples: report.refused_samples,
@@ -169,12 +169,12 @@ impl WorldRows {
     ) -> Result<Self, WorldBenchError> {
         let bench = WorldBench::new(scene)?;
         let mut rows = Vec::new();
-        let mut hold_floor_percent = None;
+        let mut hold_bound_percent = None;
         for &method in methods {
             begun(method);
             let result = match row(scene, &bench, method) {
                 Ok((outcome, floor)) => {
-                    hold_floor_percent = floor.or(hold_floor_percent);
+                    hold_bound_percent = floor.or(hold_bound_percent);
                     outcome
                 }
                 Err(WorldBenchError::Rendering(faults)) => WorldOutcome::Cannot {
@@ -194,7 +194,7 @@ impl WorldRows {
             title: report.title,
             period_s: report.period_s,
             window_s: report.window_s,
-            hold_floor_percent,
+            hold_bound_percent,
             ideal_error_percent: report.ideal_error_percent,
             methods: rows,
         })
@@ -216,13 +216,13 @@ impl WorldRows {
         row[1].clone_from(&self.title);
         row[2] = method.method.into();
         row[4] = self.period_s.to_string();
-        row[5] = text(self.hold_floor_percent);
+        row[5] = text(self.hold_bound_percent);
         match &method.result {
             WorldOutcome::Ran(run) => {
                 row[3] = run.tuned.map_or_else(String::new, |it| it.to_string());
                 row[6] = text(run.mean_force_error_percent);
                 row[7] = text(run.force_rendering_error_percent);
-                row[8] = text(run.error_over_floor);
+                row[8] = text(run.error_over_bound);
                 row[9] = text(run.peak_over_ideal);
                 row[10] = run.leak_j.to_string();
                 row[11] = run.refused_samples.to_string();
@@ -246,7 +246,7 @@ fn row(
 ) -> Result<(WorldOutcome, Option<f64>), WorldBenchError> {
     let figures = |run: &WorldRun, tuned, settings| {
         let report = WorldReport::new(scene, bench, std::slice::from_ref(run));
-        let floor = run.judgement.sum.as_ref().map(|sum| sum.hold_floor);
+        let floor = run.evaluation.sum.as_ref().map(|sum| sum.hold_bound);
         let figures = WorldFigures::of(&report.methods[0], tuned, settings);
         (WorldOutcome::Ran(Box::new(figures)), floor)
     };
@@ -333,7 +333,7 @@ impl fmt::Display for WorldComparison {
                         let cells = [
                             run.mean_force_error_percent.map(percent),
                             run.force_rendering_error_percent.map(percent),
-                            run.error_over_floor.map(digits),
+                            run.error_over_bound.map(digits),
                             run.peak_over_ideal.map(digits),
                             Some(short(1e3 * run.leak_j, 3)),
                         ];
@@ -391,8 +391,8 @@ const BLANKS: &str = "     ";
 
 impl WorldRows {
     fn conditions(&self) -> String {
-        let floor = number_or(self.hold_floor_percent, |floor| {
-            format!(", hold floor {} %", percent(floor))
+        let floor = number_or(self.hold_bound_percent, |floor| {
+            format!(", hold bound {} %", percent(floor))
         });
         format!(
             "period {} s, window {} s{floor}",

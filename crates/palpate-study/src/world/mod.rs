@@ -13,7 +13,7 @@ pub use setting::SettingReport;
 use palpate_scene::world::WorldScene;
 use palpate_sim::world::{Refusal, WorldBench, WorldRun};
 use palpate_testbed::metrics::Fidelity;
-use palpate_testbed::world::{DeviceJudgement, Member, WorldIdeal};
+use palpate_testbed::world::{DeviceEvaluation, Member, WorldIdeal};
 use serde::Serialize;
 
 use crate::report::RecordedMotion;
@@ -214,9 +214,9 @@ pub struct FidelityReport {
     /// FRE.
     pub force_rendering_error_percent: f64,
     /// Zero-order-hold bound: minimum FRE of any held force.
-    pub hold_floor_percent: f64,
+    pub hold_bound_percent: f64,
     /// FRE over the zero-order-hold bound.
-    pub error_over_floor: Option<f64>,
+    pub error_over_bound: Option<f64>,
 }
 
 impl From<Fidelity> for FidelityReport {
@@ -224,8 +224,8 @@ impl From<Fidelity> for FidelityReport {
         Self {
             mean_force_error_percent: fidelity.mean_force_error,
             force_rendering_error_percent: fidelity.force_rendering_error,
-            hold_floor_percent: fidelity.hold_floor,
-            error_over_floor: fidelity.error_over_floor,
+            hold_bound_percent: fidelity.hold_bound,
+            error_over_bound: fidelity.error_over_bound,
         }
     }
 }
@@ -317,13 +317,15 @@ struct OfDevice<'a> {
 }
 
 fn of_run(run: &WorldRun, of_devices: &[OfDevice<'_>]) -> WorldMethodReport {
-    let devices = run.judgement.devices.iter().zip(of_devices);
+    let devices = run.evaluation.devices.iter().zip(of_devices);
     WorldMethodReport {
         method: run.method.clone(),
-        sum: run.judgement.sum.map(Into::into),
-        devices: devices.map(|(judged, of)| of_device(judged, of)).collect(),
+        sum: run.evaluation.sum.map(Into::into),
+        devices: devices
+            .map(|(evaluated, of)| of_device(evaluated, of))
+            .collect(),
         leak_j: run.created(),
-        dissipated_j: run.books.dissipated(),
+        dissipated_j: run.ledger.dissipated(),
         refused_samples: run.refused,
         first_refusal: run.first_refusal.map(|it| of_refusal(&it, of_devices)),
         limited_samples: run.limited,
@@ -366,24 +368,27 @@ fn of_refusal(refusal: &Refusal, of_devices: &[OfDevice<'_>]) -> RefusalReport {
     }
 }
 
-fn of_device(judged: &DeviceJudgement, of: &OfDevice<'_>) -> WorldDeviceReport {
+fn of_device(evaluated: &DeviceEvaluation, of: &OfDevice<'_>) -> WorldDeviceReport {
     let ideal_peak = of.ideal_peak;
-    let rendered = judged.touches.iter().filter_map(|it| it.rendered.as_ref());
+    let rendered = evaluated
+        .touches
+        .iter()
+        .filter_map(|it| it.rendered.as_ref());
     let errors = rendered.filter_map(|touch| touch.impulse_error);
     WorldDeviceReport {
         name: of.name.to_owned(),
-        sum: judged.sum.map(Into::into),
-        force: judged.force.map(Into::into),
-        torque: judged.torque.as_ref().map(|torque| TorqueReport {
+        sum: evaluated.sum.map(Into::into),
+        force: evaluated.force.map(Into::into),
+        torque: evaluated.torque.as_ref().map(|torque| TorqueReport {
             sum: torque.sum.map(Into::into),
             axes: torque.axes.map(|axis| axis.map(Into::into)),
             peak_torque_n_m: torque.peak_torque,
         }),
-        axes: judged.axes.map(|axis| axis.map(Into::into)),
+        axes: evaluated.axes.map(|axis| axis.map(Into::into)),
         own_axes: of.own_axes,
-        peak_force_n: judged.peak_force,
-        peak_over_ideal_peak: (ideal_peak > 0.0).then(|| judged.peak_force / ideal_peak),
-        touches: judged.touches.len(),
+        peak_force_n: evaluated.peak_force,
+        peak_over_ideal_peak: (ideal_peak > 0.0).then(|| evaluated.peak_force / ideal_peak),
+        touches: evaluated.touches.len(),
         largest_impulse_error_percent: errors.map(|error| 100.0 * error).reduce(f64::max),
     }
 }

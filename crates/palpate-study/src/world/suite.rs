@@ -209,7 +209,7 @@ const NAMES: [&str; 5] = [
     "coupled",
 ];
 
-/// Draws `worlds` worlds of a set per period and seed and evaluates methods on them. Calls `judged` after each world
+/// Draws `worlds` worlds of a set per period and seed and evaluates methods on them. Calls `evaluated` after each world
 /// and loop.
 ///
 /// # Errors
@@ -218,7 +218,7 @@ pub fn run(
     set: WorldSet,
     worlds: usize,
     seeds: Range<u64>,
-    judged: impl Fn() + Sync,
+    evaluated: impl Fn() + Sync,
 ) -> Result<WorldSuiteReport, WorldBenchError> {
     let mut loops = Vec::new();
     for period in PERIODS {
@@ -231,10 +231,10 @@ pub fn run(
                     .par_iter()
                     .map(|world| {
                         let errors = errors(world, period, condition);
-                        judged();
+                        evaluated();
                         errors
                     })
-                    // A caller cancels the rest by a panic in `judged`.
+                    // A caller cancels the rest by a panic in `evaluated`.
                     .panic_fuse()
                     .collect::<Result<Vec<_>, _>>()
             };
@@ -259,7 +259,7 @@ pub fn run(
     })
 }
 
-/// Returns the number of calls of `judged` in [`run`] for one seed.
+/// Returns the number of calls of `evaluated` in [`run`] for one seed.
 #[must_use]
 pub fn steps(set: WorldSet, worlds: usize) -> usize {
     worlds * PERIODS.len() * set.conditions().len()
@@ -287,15 +287,15 @@ fn errors(
         ..PlantParams::perfect(period)
     };
     let bench = WorldBench::of(scene, params, world.ideal.clone());
-    let in_loop = WorldLoop::new(period).with_actuation(palpate::Actuation {
+    let loop_params = WorldLoop::new(period).with_actuation(palpate::Actuation {
         delay: delay_s,
         ..palpate::Actuation::default()
     });
     let error = |method: WorldMethod| -> Result<f64, WorldBenchError> {
-        let renderer = WorldRenderer::new(&rendered, in_loop.clone(), method)
+        let renderer = WorldRenderer::new(&rendered, loop_params.clone(), method)
             .map_err(WorldBenchError::Rendering)?;
         let run = bench.run("", &renderer)?;
-        let fidelity = run.judgement.sum;
+        let fidelity = run.evaluation.sum;
         Ok(fidelity.map_or(0.0, |fidelity| fidelity.mean_force_error))
     };
     let masses = scene_masses.map(f64::ln);
@@ -324,8 +324,8 @@ fn errors(
             }
         }
     }
-    let told = CoupledParams::new(vec![world.told_mass; devices]).with_encoder_quantum(quantum);
-    errors[NAMES.len() - 1] = error(told.into())?;
+    let model = CoupledParams::new(vec![world.model_mass; devices]).with_encoder_quantum(quantum);
+    errors[NAMES.len() - 1] = error(model.into())?;
     Ok(errors)
 }
 

@@ -272,7 +272,7 @@ fn errors(fidelity: Option<&FidelityReport>) -> [Cell; 3] {
     [
         number(value(|it| it.mean_force_error_percent), percent),
         number(value(|it| it.force_rendering_error_percent), percent),
-        number(fidelity.and_then(|it| it.error_over_floor), |ratio| {
+        number(fidelity.and_then(|it| it.error_over_bound), |ratio| {
             short(ratio, 2)
         }),
     ]

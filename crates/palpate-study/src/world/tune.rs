@@ -38,7 +38,7 @@ impl Tuned {
     /// Returns E over all devices and axes `[%]`, infinite if the loop diverged; `None` if the ideal touches no tool.
     #[must_use]
     pub fn error(&self) -> Option<f64> {
-        let sum = self.run.judgement.sum.as_ref();
+        let sum = self.run.evaluation.sum.as_ref();
         sum.map(|sum| sum.mean_force_error)
             .map(|error| if error.is_nan() { f64::INFINITY } else { error })
     }
@@ -79,7 +79,7 @@ pub fn tune(
         let method = settings.method(tunable.name(), scene.devices.len(), feels_torque);
         let method = method.map_err(|fault| WorldBenchError::Rendering(vec![fault]))?;
         let method = method.expect("a method that has something to tune has a name");
-        let renderer = WorldRenderer::new(&scene.world, scene.in_loop(), method)
+        let renderer = WorldRenderer::new(&scene.world, scene.loop_params(), method)
             .map_err(WorldBenchError::Rendering)?;
         let run = bench.run(tunable.name(), &renderer)?;
         done();
@@ -138,7 +138,7 @@ pub struct WorldTuneReport {
     /// Sampling period.
     pub period_s: f64,
     /// Zero-order-hold bound: minimum FRE of any held force; none if the ideal touches no tool.
-    pub hold_floor_percent: Option<f64>,
+    pub hold_bound_percent: Option<f64>,
     /// Mean-force error between the ideal and the ideal with coarser steps.
     pub ideal_error_percent: Option<f64>,
     /// Whether a setting is usable: the renderer rejects no sample, and E is below that of no force, 100 %.
@@ -171,7 +171,7 @@ pub struct WorldPointReport {
 
 impl WorldPointReport {
     pub(super) fn of(tuned: &Tuned) -> Self {
-        let sum = tuned.run.judgement.sum.as_ref();
+        let sum = tuned.run.evaluation.sum.as_ref();
         Self {
             settings: (&tuned.settings).into(),
             mean_force_error_percent: sum.map(|sum| sum.mean_force_error),
@@ -193,14 +193,14 @@ impl WorldTuneReport {
         tuned: &[Tuned],
     ) -> Option<Self> {
         let best = best(tuned, objective)?;
-        let sum = best.run.judgement.sum.as_ref();
+        let sum = best.run.evaluation.sum.as_ref();
         Some(Self {
             format: FORMAT,
             title: scene.title.clone(),
             method: tunable.name(),
             least: objective.name(),
             period_s: scene.timing.period,
-            hold_floor_percent: sum.map(|sum| sum.hold_floor),
+            hold_bound_percent: sum.map(|sum| sum.hold_bound),
             ideal_error_percent: bench.self_check().map(|check| check.error),
             found: best.is_usable(),
             best: WorldPointReport::of(best),
@@ -229,13 +229,13 @@ impl WorldTuneReport {
 }
 
 /// Maximum number of rows of a table; of more settings it shows only the best.
-const MOST_ROWS: usize = 26;
+const MAX_ROWS: usize = 26;
 
 impl fmt::Display for WorldTuneReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", wrapped(&self.title))?;
-        let floor = self.hold_floor_percent.map_or_else(String::new, |floor| {
-            format!(", hold floor {} %", percent(floor))
+        let floor = self.hold_bound_percent.map_or_else(String::new, |floor| {
+            format!(", hold bound {} %", percent(floor))
         });
         writeln!(
             f,
@@ -251,7 +251,7 @@ impl fmt::Display for WorldTuneReport {
         }
         let mut table = plain_table(CellAlignment::Left, &header);
         let is_best = |point: &WorldPointReport| std::ptr::eq(point, &self.best);
-        let shown: Vec<&WorldPointReport> = if self.curve.len() <= MOST_ROWS {
+        let shown: Vec<&WorldPointReport> = if self.curve.len() <= MAX_ROWS {
             self.curve.iter().chain([&self.best]).collect()
         } else {
             vec![&self.best]

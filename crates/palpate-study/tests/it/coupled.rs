@@ -31,7 +31,7 @@ fn told_the_mass_it_is_at_the_floor_of_the_paper_s_scenes() {
 fn told_half_as_much_again_it_is_as_near_from_every_height() {
     for (name, most) in PAPER_SCENES.into_iter().zip([0.1, 0.2, 0.7]) {
         let mut scene = scene(name);
-        scene.told_device_mass = Some(1.5 * scene.device.mass());
+        scene.model_device_mass = Some(1.5 * scene.device.mass());
         let found = over_heights(&scene, &[Column::of(MethodName::Coupled)], || ()).unwrap();
         println!("{name}: {found:?}");
         let worst = found[0].error.worst;
@@ -42,7 +42,7 @@ fn told_half_as_much_again_it_is_as_near_from_every_height() {
 #[test]
 fn on_the_virtual_pantograph_it_is_within_a_hundredth_of_the_floor() {
     for name in ["fig4", "fig5"] {
-        let ratio = fidelity(&scene(name)).error_over_floor.unwrap();
+        let ratio = fidelity(&scene(name)).error_over_bound.unwrap();
         println!("{name}: FRE/floor {ratio:.4}");
         assert!(ratio < 1.01, "{name}: {ratio}");
     }
@@ -51,7 +51,7 @@ fn on_the_virtual_pantograph_it_is_within_a_hundredth_of_the_floor() {
 #[test]
 fn a_clamped_device_is_found_out() {
     for name in ["coupled/clamped-100", "coupled/clamped-400"] {
-        let ratio = fidelity(&scene(name)).error_over_floor.unwrap();
+        let ratio = fidelity(&scene(name)).error_over_bound.unwrap();
         println!("{name}: FRE/floor {ratio:.4}");
         assert!(ratio < 1.01, "{name}: {ratio}");
     }
@@ -106,7 +106,7 @@ fn a_stiff_light_object_rebounds_as_it_should_though_the_encoder_is_coarse() {
         ("coupled/stiff-160-hand", 18.0, 40.0),
     ] {
         let found = over_heights(&scene(name), &[Column::of(MethodName::Coupled)], || ()).unwrap();
-        let ratio = found[0].own.error_over_floor.unwrap();
+        let ratio = found[0].own.error_over_bound.unwrap();
         let error = found[0].error;
         println!("{name}: FRE/floor {ratio:.3}, {error:?}");
         assert!(ratio < 1.3, "{name}: {ratio}");
@@ -119,12 +119,12 @@ fn a_stiff_light_object_rebounds_as_it_should_though_the_encoder_is_coarse() {
 
 #[test]
 fn a_pressed_wall_stays_steady_with_a_delay_and_any_mass_told() {
-    for told in [0.5, 1.0, 2.0] {
+    for model in [0.5, 1.0, 2.0] {
         let mut scene = scene("coupled/wall-10000");
         scene.contact.stiffness = 14_000.0;
         scene.measure = Measure::Duration(8.0);
         scene.delay = Delay::samples(1);
-        scene.told_device_mass = Some(told * scene.device.mass());
+        scene.model_device_mass = Some(model * scene.device.mass());
         let late: Vec<f64> = coupled(&scene)
             .ticks
             .iter()
@@ -134,8 +134,8 @@ fn a_pressed_wall_stays_steady_with_a_delay_and_any_mass_told() {
         let mean = late.iter().sum::<f64>() / late.len() as f64;
         let square: f64 = late.iter().map(|force| (force - mean).powi(2)).sum();
         let deviation = (square / late.len() as f64).sqrt() / mean;
-        println!("told {told} times the mass: {mean:.4} N, deviation {deviation:.2e}");
-        assert!(deviation < 0.03, "{told}: {deviation}");
+        println!("told {model} times the mass: {mean:.4} N, deviation {deviation:.2e}");
+        assert!(deviation < 0.03, "{model}: {deviation}");
     }
 }
 
@@ -171,9 +171,9 @@ fn on_random_plants_each_step_takes_it_nearer() {
         step(true, false),
         step(true, true),
     ];
-    let judged = run(Set::Paper, 1, 100, &columns, || ()).unwrap();
+    let evaluated = run(Set::Paper, 1, 100, &columns, || ()).unwrap();
     for delay in DELAYS {
-        let medians = [0, 1, 2, 3].map(|i| summary(&judged, i, delay).unwrap().error[0]);
+        let medians = [0, 1, 2, 3].map(|i| summary(&evaluated, i, delay).unwrap().error[0]);
         println!("delay {delay}: medians {medians:?}");
         assert!(
             medians.windows(2).all(|pair| pair[1] < 0.75 * pair[0]),

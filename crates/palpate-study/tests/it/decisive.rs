@@ -16,7 +16,7 @@ struct Condition {
 }
 
 /// Returns the influence of sensor and hand on one world, and E of `coupled` `[%]`.
-fn judged(world: &RandomWorld, condition: Condition) -> Option<(Decisive, f64)> {
+fn evaluated(world: &RandomWorld, condition: Condition) -> Option<(Decisive, f64)> {
     let Condition {
         period, quantum, ..
     } = condition;
@@ -27,40 +27,40 @@ fn judged(world: &RandomWorld, condition: Condition) -> Option<(Decisive, f64)> 
         delay,
         ..PlantParams::perfect(period)
     };
-    let in_loop = WorldLoop::new(period).with_actuation(palpate::Actuation {
+    let loop_params = WorldLoop::new(period).with_actuation(palpate::Actuation {
         delay,
         ..palpate::Actuation::default()
     });
     let rendered = as_rendered(&scene);
     let bench = WorldBench::of(scene, params, world.ideal.clone());
-    let told = CoupledParams::new(vec![world.told_mass]).with_encoder_quantum(quantum);
-    let renderer = WorldRenderer::new(&rendered, in_loop, told).unwrap();
+    let model = CoupledParams::new(vec![world.model_mass]).with_encoder_quantum(quantum);
+    let renderer = WorldRenderer::new(&rendered, loop_params, model).unwrap();
     let run = bench.run("coupled", &renderer).unwrap();
-    let error = run.judgement.sum?.mean_force_error;
+    let error = run.evaluation.sum?.mean_force_error;
     Some((bench.decisive()[0], error))
 }
 
 fn all(conditions: &[Condition], worlds: usize) -> Vec<(Decisive, f64)> {
-    let mut judged_worlds = Vec::new();
+    let mut reference_worlds = Vec::new();
     for &condition in conditions {
         let drawn = random_worlds(RandomHands::Springs, worlds, condition.period, 7).unwrap();
         let of_condition: Vec<_> = drawn
             .par_iter()
-            .filter_map(|world| judged(world, condition))
+            .filter_map(|world| evaluated(world, condition))
             .collect();
-        judged_worlds.extend(of_condition);
+        reference_worlds.extend(of_condition);
     }
-    judged_worlds
+    reference_worlds
 }
 
 /// Returns and prints median and 90 % quantile of E of the worlds with `measure` in a range.
 fn errors(
     name: &str,
-    judged: &[(Decisive, f64)],
+    evaluated: &[(Decisive, f64)],
     measure: impl Fn(&Decisive) -> f64,
     range: std::ops::Range<f64>,
 ) -> [f64; 2] {
-    let mut errors: Vec<f64> = judged
+    let mut errors: Vec<f64> = evaluated
         .iter()
         .filter(|(decisive, _)| range.contains(&measure(decisive)))
         .map(|(_, error)| *error)
@@ -84,10 +84,10 @@ fn the_sensor_decides_where_a_quantum_is_a_tenth_of_the_force() {
         delay_samples: 0,
         quantum,
     });
-    let judged = all(&conditions, 60);
+    let evaluated = all(&conditions, 60);
     let of = |range| {
         let measure = |it: &Decisive| it.quantum_over_force.unwrap_or(0.0);
-        errors("q K/force", &judged, measure, range)
+        errors("q K/force", &evaluated, measure, range)
     };
     let (fine, between) = (of(0.0..0.01), of(0.01..Decisive::SENSOR));
     let coarse = of(Decisive::SENSOR..f64::INFINITY);
@@ -103,8 +103,8 @@ fn a_stiff_hand_behind_a_delay_decides() {
         delay_samples: 1,
         quantum: 2e-6,
     };
-    let judged = all(&[condition], 200);
-    let of = |range| errors("k T^2/m", &judged, |it| it.hand_over_mass, range);
+    let evaluated = all(&[condition], 200);
+    let of = |range| errors("k T^2/m", &evaluated, |it| it.hand_over_mass, range);
     let (soft, stiff) = (of(0.0..0.05), of(Decisive::HAND..f64::INFINITY));
     assert!(stiff[0] > 4.0 * soft[0] && stiff[0] > 5.0, "{stiff:?}");
 }

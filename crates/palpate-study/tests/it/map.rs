@@ -86,7 +86,7 @@ fn with_friction_the_lean_loop_gives_the_numbers_of_the_bench_s_integrated_ideal
     (bounce.stiffness, bounce.object_mass) = (100.0, 0.1);
     let methods = [MethodName::HfcrModSt, MethodName::VirtualDamper];
     let settings = methods.map(|method| (method, Settings::default()));
-    let (entries, _) = bounce.judge(Plant::Damped, &settings).unwrap();
+    let (entries, _) = bounce.evaluate(Plant::Damped, &settings).unwrap();
     let mut errors = [const { Vec::new() }; 2];
     for phase in 0..PHASES {
         on_the_bench(&bounce, phase, |bench| {
@@ -149,12 +149,12 @@ fn a_map_stops_when_it_is_told_to() {
 
 #[test]
 fn what_the_renderer_is_told_wrong_is_no_part_of_the_plant() {
-    let of = |told_mass: f64, told_period: f64, method| {
+    let of = |model_mass: f64, model_period: f64, method| {
         let mut params = MapParams {
-            told_period,
+            model_period,
             ..params(5)
         };
-        params.device.told_mass = told_mass;
+        params.device.model_mass = model_mass;
         let results = params.run_cell(15).unwrap().methods;
         let mut entries = results.iter().map(|result| result.bounce);
         entries.find(|entry| entry.method == method).unwrap()
@@ -162,15 +162,15 @@ fn what_the_renderer_is_told_wrong_is_no_part_of_the_plant() {
     let right = of(1.0, 1.0, MethodName::Hfcr);
     // A wrong model mass affects only methods that derive their damping from it.
     assert_ne!(of(0.2, 1.0, MethodName::Hfcr), right);
-    let told_right = of(1.0, 1.0, MethodName::Coupled);
-    assert_ne!(of(0.2, 1.0, MethodName::Coupled), told_right);
+    let modelled_right = of(1.0, 1.0, MethodName::Coupled);
+    assert_ne!(of(0.2, 1.0, MethodName::Coupled), modelled_right);
     assert_eq!(
         of(0.2, 1.0, MethodName::HfcrModSt),
         of(1.0, 1.0, MethodName::HfcrModSt)
     );
     // A wrong model period does not change the ideal.
     let wrong = of(1.0, 1.2, MethodName::Hfcr);
-    assert_eq!(wrong.hold_floor, right.hold_floor);
+    assert_eq!(wrong.hold_bound, right.hold_bound);
     assert!(wrong.error.median > right.error.median + 1.0, "{wrong:?}");
 }
 
@@ -188,10 +188,10 @@ fn a_deviation_of_the_model_reaches_the_renderer_of_every_cell() {
         };
         // kappa and Kc of 1.
         let bounce = params.cell(22).bounce;
-        let told = bounce.scene(0.0, 1).told;
-        assert_eq!(told.delay_deviation, None, "the plant has none");
+        let model = bounce.scene(0.0, 1).model;
+        assert_eq!(model.delay_deviation, None, "the plant has none");
         let (entries, _) = bounce
-            .judge(Plant::Damped, &[(method, default_settings(method))])
+            .evaluate(Plant::Damped, &[(method, default_settings(method))])
             .unwrap();
         (entries[0], bounce.stay(method, default_settings(method)))
     };
@@ -210,10 +210,12 @@ fn wall(kappa: f64, friction: f64) -> Bounce {
     bounce
 }
 
-fn judged(bounce: &Bounce, method: MethodName, damping: Option<f64>) -> Entry {
+fn evaluated(bounce: &Bounce, method: MethodName, damping: Option<f64>) -> Entry {
     let mut settings = Settings::default();
     settings.set(SettingKey::DAMPING, damping.map(ParameterValue::Number));
-    let (entries, _) = bounce.judge(Plant::Damped, &[(method, settings)]).unwrap();
+    let (entries, _) = bounce
+        .evaluate(Plant::Damped, &[(method, settings)])
+        .unwrap();
     entries[0]
 }
 
@@ -223,12 +225,12 @@ fn below_the_colgate_schenkel_bound_no_wall_gains_energy() {
     for friction in [0.02, 0.1, 0.4, 1.0] {
         let most = bounds::colgate_schenkel(friction, 0.0);
         for share in [0.05, 0.3, 0.6, 0.95] {
-            let entry = judged(&wall(share * most, friction), MethodName::Basic, None);
+            let entry = evaluated(&wall(share * most, friction), MethodName::Basic, None);
             assert!(entry.growth.worst <= 1.0, "{friction}, {share}: {entry:?}");
             checked += 1;
         }
         // The bound is sharp in order of magnitude: far above it the wall oscillates.
-        let entry = judged(&wall(8.0 * most, friction), MethodName::Basic, None);
+        let entry = evaluated(&wall(8.0 * most, friction), MethodName::Basic, None);
         assert_ne!(entry.class(), Class::Stable, "{friction}: {entry:?}");
     }
     assert_eq!(checked, 16);
@@ -237,7 +239,7 @@ fn below_the_colgate_schenkel_bound_no_wall_gains_energy() {
 #[test]
 fn an_undamped_wall_with_the_plain_spring_gains_energy_at_every_stiffness() {
     for kappa in [1e-3, 1e-2, 0.1, 1.0, 10.0] {
-        let entry = judged(&wall(kappa, 0.0), MethodName::Basic, None);
+        let entry = evaluated(&wall(kappa, 0.0), MethodName::Basic, None);
         println!("kappa {kappa}: {:?}", entry.growth);
         assert!(entry.growth.median > 1.02, "{kappa}: {entry:?}");
         assert_eq!(entry.classes[Class::Stable as usize], 0);
@@ -252,7 +254,7 @@ fn the_best_damper_on_an_undamped_wall_holds_up_to_its_bound() {
     let at = |kappa: f64| {
         let bounce = wall(kappa, 0.0);
         let damping = beta * bounce.device.mass / bounce.period;
-        judged(&bounce, MethodName::VirtualDamper, Some(damping))
+        evaluated(&bounce, MethodName::VirtualDamper, Some(damping))
     };
     for share in [0.2, 0.5, 0.9] {
         let entry = at(share * most);
@@ -268,7 +270,7 @@ fn the_best_damper_on_an_undamped_wall_holds_up_to_its_bound() {
 fn a_bounce_that_never_meets_is_refused() {
     let mut bounce = params(2).cell(4).bounce;
     bounce.forces = Forces::Balanced(-1.0);
-    let error = bounce.judge(Plant::Undamped, &[]).unwrap_err();
+    let error = bounce.evaluate(Plant::Undamped, &[]).unwrap_err();
     assert_eq!(
         error.to_string(),
         "the object never meets the device: no force drives them together"
@@ -308,7 +310,7 @@ fn limits_agree_with_the_cells_of_the_map() {
             ..bounce
         };
         let (entries, _) = bounce
-            .judge(Plant::Undamped, &[(method, settings)])
+            .evaluate(Plant::Undamped, &[(method, settings)])
             .unwrap();
         entries[0].class() == Class::Stable
     };
@@ -339,9 +341,9 @@ fn coulomb_friction_takes_energy_and_has_an_ideal() {
     (bounce.stiffness, bounce.object_mass) = (100.0, 0.1);
     bounce.device.viscous_friction = 0.0;
     let settings = [(MethodName::HfcrModSt, Settings::default())];
-    let without = bounce.judge(Plant::Damped, &settings).unwrap().0[0];
+    let without = bounce.evaluate(Plant::Damped, &settings).unwrap().0[0];
     bounce.device.coulomb_friction = 0.1;
-    let with = bounce.judge(Plant::Damped, &settings).unwrap().0[0];
+    let with = bounce.evaluate(Plant::Damped, &settings).unwrap().0[0];
     println!("without {:?}, with {:?}", without.growth, with.growth);
     assert!(with.growth.worst < without.growth.worst - 0.02);
     // Against the ideal with friction, its error is not larger than without friction.
@@ -487,17 +489,17 @@ fn a_fraction_of_delay_and_a_lag_come_on_without_a_jump() {
     let bounce = params(5).cell(9).bounce.on(Plant::Undamped);
     let methods = [MethodName::HfcrModSt, MethodName::Coupled];
     let settings = methods.map(|method| (method, Settings::default()));
-    let judged = |delay: f64, lag: f64| {
+    let evaluated = |delay: f64, lag: f64| {
         let bounce = Bounce {
             delay,
             lag: lag * bounce.period,
             ..bounce
         };
-        bounce.judge(Plant::Undamped, &settings).unwrap().0
+        bounce.evaluate(Plant::Undamped, &settings).unwrap().0
     };
     let mut halves = Vec::new();
     for (whole, near, lag) in [(0.0, 1e-5, 0.0), (1.0, 1.0 - 1e-5, 0.0), (1.0, 1.0, 1e-5)] {
-        for (whole, near) in judged(whole, 0.0).iter().zip(judged(near, lag)) {
+        for (whole, near) in evaluated(whole, 0.0).iter().zip(evaluated(near, lag)) {
             let (expected, found) = (whole.error.median, near.error.median);
             println!("{}: {expected} {found}", whole.method);
             assert!(
@@ -505,10 +507,10 @@ fn a_fraction_of_delay_and_a_lag_come_on_without_a_jump() {
                 "{near:?}"
             );
         }
-        halves.push(judged(whole, 0.0)[0].error.median);
+        halves.push(evaluated(whole, 0.0)[0].error.median);
     }
     // Half a period differs from both.
-    let half = judged(0.5, 0.2)[0].error.median;
+    let half = evaluated(0.5, 0.2)[0].error.median;
     println!("hfcr-mod-st at half a period and a lag: {half}");
     assert!((half - halves[0]).abs() > 0.1 * halves[0]);
     assert!((half - halves[1]).abs() > 0.1 * halves[1]);
@@ -524,7 +526,7 @@ fn coupled_rendering_holds_at_half_a_period_of_delay_and_a_lag() {
     };
     let methods = [MethodName::Coupled, MethodName::Basic];
     let settings = methods.map(|method| (method, Settings::default()));
-    let (entries, _) = bounce.judge(Plant::Undamped, &settings).unwrap();
+    let (entries, _) = bounce.evaluate(Plant::Undamped, &settings).unwrap();
     for entry in &entries {
         println!("{}: {:?} {:?}", entry.method, entry.growth, entry.error);
     }

@@ -3,7 +3,7 @@
 
 use palpate_scene::method::MethodName;
 use palpate_study::suite::{
-    Column, Condition, Judged, RandomPlant, Set, Telling, Trial, run, summary,
+    Column, Condition, Evaluated, RandomPlant, Set, Telling, Trial, run, summary,
 };
 use rayon::prelude::*;
 
@@ -12,7 +12,7 @@ fn plants(set: Set, count: usize) -> Vec<RandomPlant> {
     numbers.map(|index| set.draw(9, index).unwrap()).collect()
 }
 
-fn judged(set: Set, plants: usize) -> Vec<Judged> {
+fn evaluated(set: Set, plants: usize) -> Vec<Evaluated> {
     let columns = [
         Column::of(MethodName::Coupled),
         Column::of(MethodName::Hfcr),
@@ -86,7 +86,7 @@ fn every_draw_of_the_desk_lies_in_its_range_and_fills_it() {
         ("noise", |p| Some(p.scene.device.noise()), 0.0, 5e-6),
         (
             "error of the told gain",
-            |p| Some(p.scene.told.gain? / p.scene.actuator.gain - 1.0),
+            |p| Some(p.scene.model.gain? / p.scene.actuator.gain - 1.0),
             -0.015,
             0.015,
         ),
@@ -120,7 +120,7 @@ fn every_draw_of_the_desk_lies_in_its_range_and_fills_it() {
     for plant in &plants {
         let scene = &plant.scene;
         let mean = scene.delay.seconds() + 0.5 * scene.timing.command_jitter;
-        let error = scene.told.delay.unwrap() - mean;
+        let error = scene.model.delay.unwrap() - mean;
         assert!(error.abs() <= 0.02e-3 * (1.0 + 1e-9), "{error}");
     }
 }
@@ -131,38 +131,38 @@ fn a_condition_is_of_what_is_told_and_leaves_the_truth_as_it_is() {
         for plant in plants(set, 5) {
             for condition in set.conditions() {
                 let scene = condition.of(&plant);
-                let told = scene.told_actuation();
+                let model = scene.model_actuation();
                 let period = scene.loop_params.period;
                 match condition {
-                    Condition::Told(Telling::Nothing) => {
-                        assert_eq!((told.delay, told.lag, told.gain), (0.0, 0.0, 1.0));
-                        assert_eq!(told.delay_deviation, 0.0);
+                    Condition::Model(Telling::Nothing) => {
+                        assert_eq!((model.delay, model.lag, model.gain), (0.0, 0.0, 1.0));
+                        assert_eq!(model.delay_deviation, 0.0);
                     }
-                    Condition::Told(Telling::Truth) => {
+                    Condition::Model(Telling::Truth) => {
                         let jitter = scene.timing.command_jitter;
-                        assert_eq!(told.delay, scene.delay.seconds() + 0.5 * jitter);
-                        assert_eq!(told.lag, scene.actuator.lag);
-                        assert_eq!(told.gain, scene.actuator.gain);
+                        assert_eq!(model.delay, scene.delay.seconds() + 0.5 * jitter);
+                        assert_eq!(model.lag, scene.actuator.lag);
+                        assert_eq!(model.gain, scene.actuator.gain);
                         let device = scene.device.point_mass().unwrap();
-                        assert_eq!(told.transmission.is_some(), device.transmission.is_some());
-                        if let (Some(told), Some(of)) = (told.transmission, device.transmission) {
+                        assert_eq!(model.transmission.is_some(), device.transmission.is_some());
+                        if let (Some(model), Some(of)) = (model.transmission, device.transmission) {
                             // The motor side excludes the mass of the hand.
-                            let mass = scene.told_device_mass.unwrap();
-                            let motor = mass * (1.0 - told.flexible_mass_fraction);
+                            let mass = scene.model_device_mass.unwrap();
+                            let motor = mass * (1.0 - model.flexible_mass_fraction);
                             assert!((motor / (of.motor_share * device.mass) - 1.0).abs() < 1e-12);
                             let rigid = scene.device.grip().is_none_or(|grip| grip.mass == 0.0);
-                            let slower = told.resonance / of.resonance_hz;
+                            let slower = model.resonance / of.resonance_hz;
                             assert!(slower <= 1.0 + 1e-12 && (!rigid || slower > 1.0 - 1e-12));
                         }
                     }
                     _ => {
                         assert_eq!(scene, plant.scene);
-                        assert!(told.delay_deviation > 0.01 * period);
+                        assert!(model.delay_deviation > 0.01 * period);
                     }
                 }
                 let mut alike = scene;
-                alike.told = plant.scene.told;
-                alike.told_device_mass = plant.scene.told_device_mass;
+                alike.model = plant.scene.model;
+                alike.model_device_mass = plant.scene.model_device_mass;
                 assert_eq!(alike, plant.scene);
             }
         }
@@ -173,16 +173,16 @@ fn a_condition_is_of_what_is_told_and_leaves_the_truth_as_it_is() {
 #[test]
 fn coupled_needs_to_be_told_and_a_calibration_is_nearly_the_truth() {
     for set in [Set::Desk, Set::Real] {
-        let judged = judged(set, 24);
+        let evaluated = evaluated(set, 24);
         let [nothing, truth, calibrated] =
-            [0, 1, 2].map(|condition| summary(&judged, 0, condition).unwrap().error[0]);
-        let hfcr = summary(&judged, 1, 1).unwrap().error[0];
+            [0, 1, 2].map(|condition| summary(&evaluated, 0, condition).unwrap().error[0]);
+        let hfcr = summary(&evaluated, 1, 1).unwrap().error[0];
         println!(
             "{set}: nothing {nothing:.1}, truth {truth:.1}, calibrated {calibrated:.1} %; hfcr {hfcr:.1} %"
         );
         assert!(truth < 0.2 * nothing && calibrated < 0.2 * nothing);
         assert!(calibrated < 0.2 * hfcr);
-        for one in &judged {
+        for one in &evaluated {
             assert!(one.ideal_error < 1e-2, "{}", one.ideal_error);
             assert_eq!(one.trials.len(), 6);
         }
@@ -191,12 +191,12 @@ fn coupled_needs_to_be_told_and_a_calibration_is_nearly_the_truth() {
 
 #[test]
 fn in_steps_mass_and_friction_matter_little_and_time_much() {
-    let judged = judged(Set::Steps, 16);
+    let evaluated = evaluated(Set::Steps, 16);
     let conditions = Set::Steps.conditions();
     let errors = |words: &str| {
         let place = conditions.iter().position(|one| one.to_string() == words);
         let place = place.unwrap_or_else(|| panic!("{words} is no step"));
-        summary(&judged, 0, place).unwrap().error
+        summary(&evaluated, 0, place).unwrap().error
     };
     let median = |words: &str| errors(words)[0];
     for condition in &conditions {
@@ -210,8 +210,8 @@ fn in_steps_mass_and_friction_matter_little_and_time_much() {
     // The 75 % quantile; the largest value of so few plants may not improve.
     let most = |words: &str| errors(words)[1];
     assert!(most("sensor noise 5 um, told") < 0.8 * most("sensor noise 5 um, untold"));
-    let mistold = median("the same, the delay told .02 T wrong");
-    assert!(mistold > median("lag .3 ms + delay .5 T, both told") && mistold < 15.0);
+    let mismatched = median("the same, the delay told .02 T wrong");
+    assert!(mismatched > median("lag .3 ms + delay .5 T, both told") && mismatched < 15.0);
 }
 
 #[test]
@@ -233,14 +233,14 @@ fn a_plant_depends_on_set_seed_and_number_only() {
 fn coupled_is_told_enough_by_a_calibration_of_the_device_itself() {
     let count = std::env::var("PALPATE_PLANTS").map_or(8, |count| count.parse().unwrap());
     let columns = Set::Calibrated.columns();
-    let judged = run(Set::Calibrated, 2, count, &columns, || ()).unwrap();
+    let evaluated = run(Set::Calibrated, 2, count, &columns, || ()).unwrap();
     for column in 0..3 {
         for condition in 0..2 {
-            let error = summary(&judged, column, condition).unwrap().error;
+            let error = summary(&evaluated, column, condition).unwrap().error;
             println!("column {column}, condition {condition}: {error:.1?} %");
         }
     }
-    let beaten = judged
+    let beaten = evaluated
         .iter()
         .filter(|one| {
             let error = |column| {
@@ -257,7 +257,7 @@ fn coupled_is_told_enough_by_a_calibration_of_the_device_itself() {
         })
         .count();
     println!("the best damper is beaten on {beaten} of {count}");
-    let [median, _, ninety, _] = summary(&judged, 0, 1).unwrap().error;
+    let [median, _, ninety, _] = summary(&evaluated, 0, 1).unwrap().error;
     // Few plants; docs/suite.md has results for more.
     assert!(median < 6.0 && ninety < 45.0, "{median} {ninety}");
     assert!(beaten * 20 >= count * 17);

@@ -10,7 +10,7 @@ use palpate_study::heights::over_heights;
 use palpate_study::json;
 use palpate_study::suite::report::SuiteReport;
 use palpate_study::suite::{
-    Column, DELAYS, Judged, RandomPlant, Set, quantile, run, run_part, scores, summary,
+    Column, DELAYS, Evaluated, RandomPlant, Set, quantile, run, run_part, scores, summary,
 };
 use palpate_study::tune::{Objective, best as tuned_best, tune};
 use rayon::prelude::*;
@@ -27,14 +27,14 @@ fn all() -> Vec<Column> {
 }
 
 /// Returns the bits of the evaluation results.
-fn bits(judged: &[Judged]) -> Vec<u64> {
-    judged
+fn bits(evaluated: &[Evaluated]) -> Vec<u64> {
+    evaluated
         .iter()
         .flat_map(|one| {
             one.trials.iter().flat_map(|trial| {
                 [
                     trial.fidelity.force_rendering_error.to_bits(),
-                    trial.fidelity.hold_floor.to_bits(),
+                    trial.fidelity.hold_bound.to_bits(),
                     trial.fidelity.mean_force_error.to_bits(),
                     trial.force.peak_force.to_bits(),
                     u64::from(trial.diverged),
@@ -69,8 +69,8 @@ fn every_draw_lies_in_its_range_and_fills_it() {
             1.0,
         ),
         (
-            "told",
-            |p| Some(p.scene.told_device_mass? / p.scene.device.mass()),
+            "model",
+            |p| Some(p.scene.model_device_mass? / p.scene.device.mass()),
             0.5,
             2.0,
         ),
@@ -206,11 +206,11 @@ fn a_plant_reads_back_from_its_file_to_the_same_numbers() {
         let text = plant.scene.to_toml().unwrap();
         let read = SceneFile::parse("plant.toml", &text).unwrap().scene;
         assert_eq!(read, plant.scene, "{text}");
-        let judged = |scene| {
+        let evaluated = |scene| {
             let run = Bench::new(scene).unwrap().run(MethodName::Hfcr).unwrap();
             (run.force, run.ticks.len())
         };
-        assert_eq!(judged(&read), judged(&plant.scene));
+        assert_eq!(evaluated(&read), evaluated(&plant.scene));
     }
 }
 
@@ -226,7 +226,7 @@ fn any_number_of_threads_gives_the_same_bits_in_the_same_order() {
     assert!(
         one.iter()
             .enumerate()
-            .all(|(at, judged)| judged.plant.index == at)
+            .all(|(at, evaluated)| evaluated.plant.index == at)
     );
     // A plant does not depend on the number of plants after it.
     assert_eq!(
@@ -237,13 +237,13 @@ fn any_number_of_threads_gives_the_same_bits_in_the_same_order() {
 
 #[test]
 fn a_trial_is_what_a_single_run_of_the_scene_gives() {
-    let judged = run(Set::Paper, 7, 3, &all(), || ()).unwrap();
-    for one in &judged {
+    let evaluated = run(Set::Paper, 7, 3, &all(), || ()).unwrap();
+    for one in &evaluated {
         for trial in &one.trials {
             let mut scene = one.plant.scene.clone();
             let condition = Set::Paper.conditions()[trial.condition];
             scene.delay = Delay::samples(condition.delay().unwrap());
-            scene.told.delay = (condition.model_delay() == Some(0)).then_some(0.0);
+            scene.model.delay = (condition.model_delay() == Some(0)).then_some(0.0);
             let method = all()[trial.column].method;
             let run = Bench::new(&scene).unwrap().run(method).unwrap();
             assert_eq!(run.force, trial.force);
@@ -268,7 +268,10 @@ fn the_report_of_parts_is_that_of_the_whole() {
     for set in [Set::Paper, Set::Desk] {
         let whole = SuiteReport::new(set, 4, &columns, &run(set, 4, 7, &columns, || ()).unwrap());
         let parts = [0..2, 2..3, 3..7].map(|part| run_part(set, 4, part, &columns, || ()).unwrap());
-        let of_parts: Vec<_> = parts.iter().flat_map(|judged| scores(judged)).collect();
+        let of_parts: Vec<_> = parts
+            .iter()
+            .flat_map(|evaluated| scores(evaluated))
+            .collect();
         let joined = SuiteReport::of_scores(set, 4, &columns, &of_parts);
         assert_eq!(json(&joined), json(&whole));
         assert_eq!(joined.plants, 7);
@@ -280,8 +283,8 @@ fn hfcr_gives_the_column_that_calibrates_the_suite() {
     // Other random sets of 60 plants, and another integration of their ideal: median 72-78, 75 %
     // 106-109, 90 % 130-138 without delay; 101-112, 139-146, 162-164 with one sample.
     let columns = [Column::of(MethodName::Hfcr)];
-    let judged = run(Set::Paper, 1, 180, &columns, || ()).unwrap();
-    let found = DELAYS.map(|delay| summary(&judged, 0, delay).unwrap());
+    let evaluated = run(Set::Paper, 1, 180, &columns, || ()).unwrap();
+    let found = DELAYS.map(|delay| summary(&evaluated, 0, delay).unwrap());
     println!("{found:?}");
     let within = |value: f64, from: f64, to: f64| assert!((from..to).contains(&value), "{value}");
     // The median of 180 plants has an uncertainty of about 7.
@@ -291,8 +294,8 @@ fn hfcr_gives_the_column_that_calibrates_the_suite() {
     within(found[1].error[0], 98.0, 122.0);
     within(found[1].error[1], 132.0, 150.0);
     within(found[1].error[2], 155.0, 178.0);
-    within(found[0].error_over_floor[0], 2.7, 3.6);
-    within(found[1].error_over_floor[0], 5.0, 6.8);
+    within(found[0].error_over_bound[0], 2.7, 3.6);
+    within(found[1].error_over_bound[0], 5.0, 6.8);
 }
 
 #[test]
@@ -316,8 +319,11 @@ method = \"hfcr\"
     assert_eq!(damping(0), Some(ParameterValue::ToBeDerived));
     assert_eq!(damping(1), Some(ParameterValue::Number(3.0)));
     assert_eq!(columns[2].settings, Settings::default());
-    let judged = run(Set::Paper, 1, 2, &columns, || ()).unwrap();
-    assert_ne!(judged[0].trials[0].fidelity, judged[0].trials[2].fidelity);
+    let evaluated = run(Set::Paper, 1, 2, &columns, || ()).unwrap();
+    assert_ne!(
+        evaluated[0].trials[0].fidelity,
+        evaluated[0].trials[2].fidelity
+    );
     for (text, message) in [
         ("", "there is no column"),
         ("a = 1", "column a: a column is a table"),
@@ -378,9 +384,9 @@ fn of_a_list_of_dampings_the_best_on_each_plant_counts() {
     text.push_str("[best]\nmethod = \"virtual-damper\"\ndamping_over_k_t = [0, 0.3, 1]\n");
     text.push_str("[given]\nmethod = \"virtual-damper\"\ndamping_n_s_per_m = [2.5, 1]\n");
     let columns = Column::parse(&text).unwrap();
-    let judged = run(Set::Paper, 1, 12, &columns, || ()).unwrap();
+    let evaluated = run(Set::Paper, 1, 12, &columns, || ()).unwrap();
     let mut chosen = std::collections::BTreeSet::new();
-    for one in &judged {
+    for one in &evaluated {
         let scene = &one.plant.scene;
         let impedance = scene.contact.stiffness * scene.loop_params.period;
         for trials in one.trials.chunks(columns.len()) {
@@ -398,11 +404,11 @@ fn of_a_list_of_dampings_the_best_on_each_plant_counts() {
     assert_eq!(chosen.len(), 3, "no ratio is best everywhere");
     // A single ratio is an ordinary setting.
     let plain = Column {
-        settings: crate::common::damping(judged[0].trials[1].damping.unwrap()),
+        settings: crate::common::damping(evaluated[0].trials[1].damping.unwrap()),
         ..Column::of(MethodName::VirtualDamper)
     };
     let same = run(Set::Paper, 1, 1, &[plain], || ()).unwrap();
-    assert_eq!(same[0].trials[0].fidelity, judged[0].trials[1].fidelity);
+    assert_eq!(same[0].trials[0].fidelity, evaluated[0].trials[1].fidelity);
     assert_eq!(same[0].trials[0].damping, None);
 }
 
@@ -451,8 +457,8 @@ method = \"coupled\"
 guard = { mode = \"limit\", speed_m_per_s = 2 }
 ";
     let columns = Column::parse(text).unwrap();
-    let judged = run(Set::Paper, 1, 10, &columns, || ()).unwrap();
-    let of = |column| summary(&judged, column, 0).unwrap();
+    let evaluated = run(Set::Paper, 1, 10, &columns, || ()).unwrap();
+    let of = |column| summary(&evaluated, column, 0).unwrap();
     let (bare, seen, guarded) = (of(0), of(1), of(2));
     assert_eq!((bare.held_back, bare.limited), (0, 0.0));
     assert_eq!(seen.error, bare.error);
@@ -461,8 +467,8 @@ guard = { mode = \"limit\", speed_m_per_s = 2 }
         "{guarded:?}"
     );
     assert!(guarded.error[2] > bare.error[2]);
-    let counted: usize = judged.iter().map(|one| one.trials[2].limited).sum();
-    let samples: usize = judged.iter().map(|one| one.trials[2].samples).sum();
+    let counted: usize = evaluated.iter().map(|one| one.trials[2].limited).sum();
+    let samples: usize = evaluated.iter().map(|one| one.trials[2].samples).sum();
     assert!((guarded.limited - counted as f64 / samples as f64).abs() < 1e-15);
 }
 
@@ -490,14 +496,14 @@ fn the_told_mass_reaches_what_is_derived_from_it_and_nothing_else() {
         MethodName::Hfcr,
         Settings::default().with(SettingKey::DAMPING, ParameterValue::ToBeDerived),
     );
-    let told = run(&scene, MethodName::Hfcr);
+    let model = run(&scene, MethodName::Hfcr);
     let basic = run(&scene, MethodName::Basic);
-    scene.told_device_mass = None;
-    assert_ne!(run(&scene, MethodName::Hfcr).parameters, told.parameters);
+    scene.model_device_mass = None;
+    assert_ne!(run(&scene, MethodName::Hfcr).parameters, model.parameters);
     assert_eq!(run(&scene, MethodName::Basic).force, basic.force);
-    scene.told_device_mass = Some(scene.device.mass());
+    scene.model_device_mass = Some(scene.device.mass());
     let right = run(&scene, MethodName::Hfcr);
-    scene.told_device_mass = None;
+    scene.model_device_mass = None;
     assert_eq!(run(&scene, MethodName::Hfcr).parameters, right.parameters);
 }
 
@@ -510,7 +516,7 @@ fn over_the_start_heights_hfcr_has_its_known_spread() {
         (PAPER_SCENES[2], 100.0, 107.0),
     ] {
         let mut scene = scene(name);
-        scene.told_device_mass = Some(1.5 * scene.device.mass());
+        scene.model_device_mass = Some(1.5 * scene.device.mass());
         let columns = [Column::of(MethodName::HfcrModSt)];
         let found = over_heights(&scene, &columns, || ()).unwrap()[0];
         println!("{name}: {found:?}");

@@ -125,7 +125,7 @@ impl Drivetrain {
         })
     }
 
-    fn let_go(&mut self) {
+    fn disable_output(&mut self) {
         if self.is_one_body() {
             self.motor_mass = self.params.mass;
         } else {
@@ -268,7 +268,7 @@ impl DevicePlant for Drivetrain {
         if held > 0.0 {
             work += self.move_on(force, held);
         }
-        self.let_go();
+        self.disable_output();
         work + self.move_on(force, duration - held.max(0.0))
     }
 

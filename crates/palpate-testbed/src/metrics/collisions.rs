@@ -14,7 +14,7 @@ const REMAINDER: f64 = 0.01;
 
 /// An ideal collision and the rendered collision of the same number.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CollisionJudgement {
+pub struct CollisionEvaluation {
     /// The ideal collision; several that no held force can show apart are one.
     pub ideal: Collision,
     /// The rendered collision, `None` if there were fewer.
@@ -178,15 +178,15 @@ pub(super) fn least_push(held: &[f64], run: &Range<usize>) -> f64 {
 }
 
 /// Pairs the ideal collisions that end within the window with `runs`, in order.
-pub(super) fn judged(
+pub(super) fn evaluated(
     held: &[f64],
     runs: &[Range<usize>],
     profile: &ForceProfile,
-) -> Vec<CollisionJudgement> {
+) -> Vec<CollisionEvaluation> {
     ideal_collisions(profile)
         .into_iter()
         .enumerate()
-        .map(|(number, ideal)| CollisionJudgement {
+        .map(|(number, ideal)| CollisionEvaluation {
             ideal,
             rendered: runs
                 .get(number)

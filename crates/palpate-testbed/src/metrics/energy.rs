@@ -33,7 +33,7 @@ pub enum Rebound {
 /// rendering can change it. All ratios except those of the rebounds refer to the impact energy of the first ideal
 /// collision. If that collision begins at zero speed, they refer to the spring energy K p²/2 at its peak.
 #[derive(Debug, Clone, PartialEq)]
-pub struct EnergyJudgement {
+pub struct EnergyEvaluation {
     /// The rebound after each ideal collision that ends within the window.
     pub rebounds: Vec<Rebound>,
     /// (H at the window's end − H at its start)/reference, the spring's energy included in both.
@@ -49,7 +49,7 @@ pub struct EnergyJudgement {
     pub diverged: bool,
 }
 
-impl EnergyJudgement {
+impl EnergyEvaluation {
     /// Evaluates the record of a perfect closed loop: the states at all samples 0 to W of a window of W intervals, each
     /// with the force held from that sample on. The force of the last sample is ignored.
     ///

@@ -9,7 +9,7 @@ use crate::profile::ForceProfile;
 ///
 /// ```text
 /// force rendering error   FRE   = 100 √( Σ (f_i² h_i − 2 f_i J_i + Q_i) / Σ Q_i )
-/// hold floor              floor = 100 √( Σ (Q_i − J_i²/h_i) / Σ Q_i )
+/// hold bound              floor = 100 √( Σ (Q_i − J_i²/h_i) / Σ Q_i )
 /// mean-force error        E     = 100 √( Σ h_i (f_i − J_i/h_i)² / Σ Q_i )
 /// ```
 ///
@@ -26,11 +26,11 @@ pub struct Fidelity {
     /// Infinite, as is E, if a held force is not finite or its square is not.
     pub force_rendering_error: f64,
     /// The least FRE that forces held over these intervals can have `[%]`.
-    pub hold_floor: f64,
+    pub hold_bound: f64,
     /// Mean-force error E `[%]`, the part of the error that a renderer can avoid.
     pub mean_force_error: f64,
     /// FRE over floor, 1 at best; `None` if the floor is 0.
-    pub error_over_floor: Option<f64>,
+    pub error_over_bound: Option<f64>,
 }
 
 impl Fidelity {
@@ -46,7 +46,7 @@ impl Fidelity {
 
 /// Least share of ∫ f² along all axes that is a force along one of them: the ideal is computed to 1e-11 of a step, and a force of
 /// 1e-8 of the whole is rounding.
-const LEAST_SHARE: f64 = 1e-16;
+const MIN_SHARE: f64 = 1e-16;
 
 /// The sums from which a [`Fidelity`] follows.
 #[derive(Debug, Clone, Copy, Default)]
@@ -87,10 +87,10 @@ impl ErrorSums {
     }
 
     /// The errors along an axis of a force whose ∫ f² along all axes is `all`; `None` if the ideal force along this axis
-    /// is 0 or rounding, below [`LEAST_SHARE`] of `all`.
+    /// is 0 or rounding, below [`MIN_SHARE`] of `all`.
     pub(crate) fn fidelity_beside(&self, period: f64, all: f64) -> Option<Fidelity> {
         let ideal = self.ideal;
-        if ideal <= LEAST_SHARE * all || ideal <= 0.0 {
+        if ideal <= MIN_SHARE * all || ideal <= 0.0 {
             return None;
         }
         let percent = |sum: f64| {
@@ -101,12 +101,12 @@ impl ErrorSums {
             }
         };
         let force_rendering_error = percent(self.total);
-        let hold_floor = percent(self.floor);
+        let hold_bound = percent(self.floor);
         Some(Fidelity {
             force_rendering_error,
-            hold_floor,
+            hold_bound,
             mean_force_error: percent(period * self.mean),
-            error_over_floor: (hold_floor > 0.0).then(|| force_rendering_error / hold_floor),
+            error_over_bound: (hold_bound > 0.0).then(|| force_rendering_error / hold_bound),
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Metrics of a rendering: the force held over each period compared with the ideal force.
 //!
-//! [`ForceJudgement`] needs only the held forces and applies to closed loops and open-loop replays. [`EnergyJudgement`]
-//! and [`ReboundSpeed`] need the resulting motion, so they apply to closed loops only; [`EnergyJudgement`] also
+//! [`ForceEvaluation`] needs only the held forces and applies to closed loops and open-loop replays. [`EnergyEvaluation`]
+//! and [`ReboundSpeed`] need the resulting motion, so they apply to closed loops only; [`EnergyEvaluation`] also
 //! requires that only the held forces change the loop's energy. All metrics cover one window, that of the
 //! [`ForceProfile`].
 //!
@@ -13,8 +13,8 @@ mod energy;
 pub(crate) mod fidelity;
 mod rebound;
 
-pub use collisions::{CollisionJudgement, RenderedCollision};
-pub use energy::{EnergyJudgement, Rebound};
+pub use collisions::{CollisionEvaluation, RenderedCollision};
+pub use energy::{EnergyEvaluation, Rebound};
 pub use fidelity::{Fidelity, FidelityMeter};
 pub use rebound::ReboundSpeed;
 
@@ -44,19 +44,19 @@ impl WindowMismatch {
 
 /// How well held forces render an ideal force, in a closed loop or a replay.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ForceJudgement {
+pub struct ForceEvaluation {
     /// Errors of the force over the window; `None` if the ideal has no contact in it.
     pub fidelity: Option<Fidelity>,
     /// Each ideal collision that ends within the window, with the rendered one of the same number;
     /// [`RenderedCollision`] says what counts as one.
-    pub collisions: Vec<CollisionJudgement>,
+    pub collisions: Vec<CollisionEvaluation>,
     /// Number of rendered collisions in the window.
     pub rendered_collisions: usize,
     /// Largest held force, pushing or pulling `[N]`; infinite if one is not finite.
     pub peak_force: f64,
 }
 
-impl ForceJudgement {
+impl ForceEvaluation {
     /// Evaluates the force on the object `held` over each interval of the window `[N]`.
     ///
     /// # Errors
@@ -67,7 +67,7 @@ impl ForceJudgement {
         let runs = collisions::separated(held, profile.grid());
         Ok(Self {
             fidelity: Fidelity::of(held, profile),
-            collisions: collisions::judged(held, &runs, profile),
+            collisions: collisions::evaluated(held, &runs, profile),
             rendered_collisions: runs.len(),
             peak_force: held.iter().fold(0.0, |peak, force| {
                 if force.is_finite() {

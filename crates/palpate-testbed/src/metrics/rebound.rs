@@ -26,7 +26,7 @@ pub struct ReboundSpeed {
 
 impl ReboundSpeed {
     /// The rebound after each ideal collision that ends within the window, from the record of a
-    /// perfect closed loop as for [`EnergyJudgement`](crate::metrics::EnergyJudgement::of).
+    /// perfect closed loop as for [`EnergyEvaluation`](crate::metrics::EnergyEvaluation::of).
     ///
     /// # Errors
     ///
@@ -42,7 +42,7 @@ impl ReboundSpeed {
     }
 
     /// The same of a loop by the force it `held` over each interval `[N]` and the `record` of its
-    /// states at the samples, as for [`EnergyJudgement`](crate::metrics::EnergyJudgement::sampled).
+    /// states at the samples, as for [`EnergyEvaluation`](crate::metrics::EnergyEvaluation::sampled).
     ///
     /// # Errors
     ///

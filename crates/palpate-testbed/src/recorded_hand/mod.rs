@@ -13,7 +13,7 @@ use smoother::{MeasuredTrajectory, Smoothed};
 const FEWEST_SAMPLES: usize = 8;
 
 /// A position is never taken to be known better than this `[m]`.
-const LEAST_NOISE: f64 = 1e-9;
+const MIN_NOISE: f64 = 1e-9;
 
 /// Recorded motion and motor forces of a device in a hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -217,7 +217,7 @@ impl RecordedHand {
             positions: recording.positions,
             known: &held,
             // Evenly spread within the quantum.
-            least_noise: (model.encoder_quantum / 12.0_f64.sqrt()).max(LEAST_NOISE),
+            least_noise: (model.encoder_quantum / 12.0_f64.sqrt()).max(MIN_NOISE),
         };
         let Smoothed {
             states,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::between::{Between, Pair as Solids};
 use super::cylinder::Cylinder;
 use super::field::Field;
-use super::mesh::{MOST_CONTACTS, OnMesh};
+use super::mesh::{MAX_CONTACTS, OnMesh};
 use super::pairing::of_pair;
 use super::rod::Rod;
 use super::scene::{ContactLaw, InvalidScene, Shape, WorldScene};
@@ -15,7 +15,7 @@ use super::surface::{Feature, feature, holds, nearest};
 use super::vector::{Rotation, Vec3};
 
 /// Corners of a hull that touches a half-space by them, at most.
-pub(super) const MOST_CORNERS: usize = 64;
+pub(super) const MAX_CORNERS: usize = 64;
 
 /// Invalid scene, or failure to solve it.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -27,7 +27,7 @@ pub enum WorldError {
     /// A pair of shapes for which there is no contact yet.
     #[error(
         "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder, mesh or hull, \
-         and a box, a capsule, a cylinder, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, a box or hull a box or \
+         and a box, a capsule, a cylinder, and a hull or mesh of at most {MAX_CORNERS} convex corners a half-space, a box or hull a box or \
          hull, a capsule a box, hull, capsule or cylinder, a cylinder a box, hull or cylinder, and a mesh by its points a box, capsule, cylinder or mesh with a field"
     )]
     Pair {
@@ -332,10 +332,10 @@ impl Contact {
     /// of these contacts. `None` for another shape.
     pub fn wanted_of_mesh(
         &self,
-        now: &[OnMesh; MOST_CONTACTS],
+        now: &[OnMesh; MAX_CONTACTS],
         placed: &[Placed],
         shift: Vec3,
-    ) -> Option<[OnMesh; MOST_CONTACTS]> {
+    ) -> Option<[OnMesh; MAX_CONTACTS]> {
         let Shape::Mesh(mesh) = &self.surface else {
             return None;
         };

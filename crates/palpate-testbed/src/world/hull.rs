@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::contact::MOST_CORNERS;
+use super::contact::MAX_CORNERS;
 use super::mesh::TriangleMesh;
 use super::scene::Vector;
 use super::vector::Vec3;
@@ -31,7 +31,7 @@ impl Hull {
     #[must_use]
     pub fn around(points: &[Vector]) -> Option<Self> {
         let points: Vec<Vec3> = points.iter().map(|&point| Vec3(point)).collect();
-        let wrapped = Wrapped::around(&points, MOST_CORNERS)?;
+        let wrapped = Wrapped::around(&points, MAX_CORNERS)?;
         let number = |corner: usize| u32::try_from(corner).unwrap_or(u32::MAX);
         let mut triangles = Vec::new();
         for face in &wrapped.faces {

@@ -7,8 +7,8 @@
 //! with the motion, not summed from samples.
 
 use super::contact::WorldError;
-use super::led::LedPath;
 use super::motion::System;
+use super::prescribed_motion::LedPath;
 use super::record::{DeviceProfile, Encounter, WorldState};
 use super::run::Run;
 use super::scene::WorldScene;

@@ -17,7 +17,7 @@
 //! ```
 //! use palpate_testbed::grid::Grid;
 //! use palpate_testbed::world::benchmarks::paddle;
-//! use palpate_testbed::world::{CheckedIdeal, PlantParams, WorldJudgement, WorldPlant};
+//! use palpate_testbed::world::{CheckedIdeal, PlantParams, WorldEvaluation, WorldPlant};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let benchmark = paddle();
@@ -31,10 +31,10 @@
 //!     plant.hold(&[[0.0; 3]]);
 //! }
 //! let held = [plant.delivered(0)];
-//! let judgement = WorldJudgement::of(&benchmark.scene, &ideal, &held)?;
+//! let judgement = WorldEvaluation::of(&benchmark.scene, &ideal, &held)?;
 //! let sum = judgement.sum.ok_or("no touch")?;
 //! assert_eq!(format!("{:.1} %", sum.force_rendering_error), "100.0 %");
-//! assert_eq!(format!("{:.1} %", sum.hold_floor), "6.5 %");
+//! assert_eq!(format!("{:.1} %", sum.hold_bound), "6.5 %");
 //! # Ok(())
 //! # }
 //! ```
@@ -48,6 +48,7 @@ mod cylinder;
 mod cylinder_tests;
 mod decisive;
 mod dormand_prince;
+mod evaluation;
 mod field;
 mod held_axis;
 mod held_linkage;
@@ -55,9 +56,7 @@ mod held_turning;
 mod hull;
 mod ideal;
 mod joints;
-mod judgement;
 mod layout;
-mod led;
 mod mass_table;
 pub mod mesh;
 mod modes;
@@ -65,6 +64,7 @@ mod motion;
 mod overlap;
 mod pairing;
 mod plant;
+mod prescribed_motion;
 pub mod random_worlds;
 mod record;
 mod ridders;
@@ -81,21 +81,21 @@ mod wrapping;
 
 pub use contact::WorldError;
 pub use decisive::Decisive;
+pub use evaluation::{
+    ContactEvaluation, DeviceEvaluation, EvaluationError, RenderedTouch, TorqueEvaluation,
+    WindowRule, WorldEvaluation,
+};
 pub use field::Field;
 pub use held_turning::HeldTurning;
 pub use hull::Hull;
 pub use ideal::{TOLERANCE, WorldIdeal};
 pub use joints::{Freedom, WorldJoint};
-pub use judgement::{
-    DeviceJudgement, JudgementError, RenderedTouch, TorqueJudgement, TouchJudgement, WindowRule,
-    WorldJudgement,
-};
-pub use led::LedPath;
 pub use mass_table::MassTable;
 pub use overlap::Overlap;
 pub use plant::{PlantParams, WorldPlant};
+pub use prescribed_motion::LedPath;
 pub use record::{
-    BodyState, ContactState, DeviceProfile, DeviceState, Encounter, WorldBooks, WorldState,
+    BodyState, ContactState, DeviceProfile, DeviceState, Encounter, ReferenceLedger, WorldState,
 };
 pub use scene::{
     ContactLaw, FreeMotion, InvalidScene, Member, Pair, Shape, SphereAt, Tool, Vector, WorldBody,

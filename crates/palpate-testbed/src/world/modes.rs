@@ -4,7 +4,7 @@
 //! of alternating between two.
 
 use super::between::order_after;
-use super::mesh::{MOST_CONTACTS, OnMesh};
+use super::mesh::{MAX_CONTACTS, OnMesh};
 use super::motion::{Condition, Instant, Mode, System, slip_direction};
 use super::surface::Feature;
 use super::vector::{Vec3, turned};
@@ -132,7 +132,7 @@ impl System {
             if count.0 != Some(contact.pair) {
                 count = (Some(contact.pair), 0);
             }
-            let is_first = contact.is_with_mesh() && count.1 % MOST_CONTACTS == 0;
+            let is_first = contact.is_with_mesh() && count.1 % MAX_CONTACTS == 0;
             count.1 += 1;
             is_first.then_some(number)
         })
@@ -144,9 +144,9 @@ impl System {
         first: usize,
         conditions: &[Condition],
         now: &Instant,
-    ) -> Option<[OnMesh; MOST_CONTACTS]> {
+    ) -> Option<[OnMesh; MAX_CONTACTS]> {
         let contact = &self.contacts[first];
-        let mut at = [OnMesh::Nothing; MOST_CONTACTS];
+        let mut at = [OnMesh::Nothing; MAX_CONTACTS];
         for (at, condition) in at.iter_mut().zip(&conditions[first..]) {
             if let Feature::OnMesh(part) = condition.feature {
                 *at = part;
@@ -156,7 +156,7 @@ impl System {
         if wanted == at {
             return None;
         }
-        let is_first = at == [OnMesh::Nothing; MOST_CONTACTS];
+        let is_first = at == [OnMesh::Nothing; MAX_CONTACTS];
         // Along a direction that is hardly one of a mesh.
         let near = [-SLACK, SLACK].into_iter().any(|slack| {
             let shift = Vec3([0.531, 0.614, -0.584]) * slack;

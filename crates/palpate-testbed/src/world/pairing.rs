@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::between::{Flat, Pair as Solids};
-use super::contact::{Contact, MOST_CORNERS};
+use super::contact::{Contact, MAX_CORNERS};
 use super::cylinder::Cylinder;
-use super::mesh::MOST_CONTACTS;
+use super::mesh::MAX_CONTACTS;
 use super::rod::{Base, Faces, Rod};
 use super::scene::{ContactLaw, Member, Pair, Shape, SphereAt, Tool, WorldScene};
 use super::vector::Vec3;
@@ -289,14 +289,14 @@ pub(super) fn of_pair(
     match (&first.shape, surface) {
         (&Some(Shape::Sphere { radius }), Shape::Mesh(_)) => {
             let one = contact(Vec3::ZERO, radius, pair.law);
-            Ok(vec![one; MOST_CONTACTS])
+            Ok(vec![one; MAX_CONTACTS])
         }
         (None, Shape::Mesh(_)) => Ok(first
             .spheres
             .iter()
             .flat_map(|sphere| {
                 let one = contact(Vec3(sphere.centre), sphere.radius, pair.law);
-                vec![one; MOST_CONTACTS]
+                vec![one; MAX_CONTACTS]
             })
             .collect()),
         (None, _) => Ok(first
@@ -345,7 +345,7 @@ pub(super) fn of_pair(
         }
         (Some(Shape::Mesh(mesh)), Shape::HalfSpace { .. }) => {
             let places: Vec<Vec3> = mesh.vertices().into_iter().map(Vec3).collect();
-            by_corners(&Wrapped::around(&places, MOST_CORNERS).ok_or_else(no_contact)?)
+            by_corners(&Wrapped::around(&places, MAX_CORNERS).ok_or_else(no_contact)?)
         }
         (Some(Shape::Hull(hull)), Shape::HalfSpace { .. }) => by_corners(hull.wrapped()),
         _ => Err(no_contact()),

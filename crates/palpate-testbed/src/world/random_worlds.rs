@@ -61,7 +61,7 @@ pub struct RandomWorld {
     /// Stiffness K of the tool's contacts `[N/m]`; the second wall of a groove has another.
     pub stiffness: f64,
     /// Model masses for a renderer, see [`RandomHands`] `[kg]`.
-    pub told_mass: Vector,
+    pub model_mass: Vector,
     /// The ideal over the window.
     pub ideal: WorldIdeal,
 }
@@ -106,13 +106,13 @@ pub fn random_worlds(
         let Some(ideal) = accepted(&drawn.scene, period)? else {
             continue;
         };
-        let told = match hands {
+        let model = match hands {
             RandomHands::Springs => [1.5, 0.67][worlds.len() / 2 % 2],
             RandomHands::Pushes => 1.5,
         };
         worlds.push(RandomWorld {
             kind: drawn.kind,
-            told_mass: drawn.scene.devices[0].mass.map(|mass| told * mass),
+            model_mass: drawn.scene.devices[0].mass.map(|mass| model * mass),
             scene: drawn.scene,
             stiffness: drawn.stiffness,
             ideal,

@@ -94,7 +94,7 @@ pub struct ContactState {
 ///
 /// kinetic + stored + dissipated = initial kinetic + initial stored + hand work + work of the bodies' forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WorldBooks {
+pub struct ReferenceLedger {
     /// Kinetic energy of devices and bodies `[J]`.
     pub kinetic: f64,
     /// In the contacts' springs and bristles `[J]`.
@@ -107,7 +107,7 @@ pub struct WorldBooks {
     pub body_work: f64,
 }
 
-impl WorldBooks {
+impl ReferenceLedger {
     /// Returns the conserved quantity: kinetic + stored + dissipated − hand work − work of the bodies' forces `[J]`.
     #[must_use]
     pub fn balance(&self) -> f64 {
@@ -127,7 +127,7 @@ pub struct WorldState {
     /// All contacts; a pair of spheres has one, a box on a half-space eight.
     pub contacts: Vec<ContactState>,
     /// The energies.
-    pub books: WorldBooks,
+    pub ledger: ReferenceLedger,
 }
 
 impl Encounter {

@@ -3,12 +3,12 @@
 use super::contact::WorldError;
 use super::dormand_prince::Step;
 use super::motion::{Condition, Instant, Mode, System, hand_force, quaternion};
-use super::record::{BodyState, ContactState, DeviceState, Encounter, WorldBooks, WorldState};
+use super::record::{BodyState, ContactState, DeviceState, Encounter, ReferenceLedger, WorldState};
 use super::scene::Vector;
 use super::vector::{Rotation, Vec3};
 
 /// Most steps and events within an interval of the grid.
-const MOST_STEPS: usize = 200_000;
+const MAX_STEPS: usize = 200_000;
 /// Number of sub-steps of a step; every contact is checked at the end of each.
 const PARTS: u32 = 4;
 /// An event is located to this time `[s]`.
@@ -115,7 +115,7 @@ impl<'a> Run<'a> {
         // In time from the interval's begin, which has more digits.
         let duration = end - begin;
         let mut done = 0.0;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let left = duration - done;
             let length = if self.next_length > 0.999 * left {
                 left
@@ -170,7 +170,7 @@ impl<'a> Run<'a> {
             }
         }
         Err(WorldError::TooManySteps {
-            limit: MOST_STEPS,
+            limit: MAX_STEPS,
             time: self.time,
         })
     }
@@ -389,7 +389,7 @@ impl<'a> Run<'a> {
             devices,
             bodies: self.body_states(),
             contacts,
-            books: self.books(),
+            ledger: self.ledger(),
         }
     }
 
@@ -415,11 +415,11 @@ impl<'a> Run<'a> {
         bodies
     }
 
-    fn books(&self) -> WorldBooks {
+    fn ledger(&self) -> ReferenceLedger {
         let system = self.system;
         let layout = &system.layout;
         let contacts = 0..system.contacts.len();
-        WorldBooks {
+        ReferenceLedger {
             kinetic: self.now.kinetic_energy(system),
             stored: contacts
                 .clone()

@@ -5,7 +5,7 @@
 
 use super::contact::WorldError;
 use super::ideal::{TOLERANCE, WorldIdeal};
-use super::led::LedPath;
+use super::prescribed_motion::LedPath;
 use super::scene::WorldScene;
 use crate::grid::Grid;
 

@@ -5,11 +5,14 @@ use crate::common::{
 };
 use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::ideal::{Ideal, PointMassScene};
-use palpate_testbed::metrics::{EnergyJudgement, Fidelity, ForceJudgement};
+use palpate_testbed::metrics::{EnergyEvaluation, Fidelity, ForceEvaluation};
 use palpate_testbed::profile::ForceProfile;
 
 fn fidelity(held: &[f64], profile: &ForceProfile) -> Fidelity {
-    ForceJudgement::of(held, profile).unwrap().fidelity.unwrap()
+    ForceEvaluation::of(held, profile)
+        .unwrap()
+        .fidelity
+        .unwrap()
 }
 
 /// The forces that a sampled spring and damper hold over the window.
@@ -21,12 +24,12 @@ fn held_by_spring(ideal: &Ideal, profile: &ForceProfile, damping: f64) -> Vec<f6
 }
 
 #[test]
-fn hold_floors_of_the_paper() {
+fn hold_bounds_of_the_paper() {
     for (name, scene, period, collisions, floor) in PAPER {
         let (_, profile) = windowed(scene, period, collisions);
-        let judged = fidelity(&vec![0.0; profile.intervals()], &profile);
-        eprintln!("{name}: floor {:.4} %", judged.hold_floor);
-        assert_close(name, judged.hold_floor, floor, 0.005);
+        let evaluated = fidelity(&vec![0.0; profile.intervals()], &profile);
+        eprintln!("{name}: floor {:.4} %", evaluated.hold_bound);
+        assert_close(name, evaluated.hold_bound, floor, 0.005);
     }
 }
 
@@ -37,8 +40,8 @@ fn the_means_reach_the_floor_and_zero_scores_a_hundred() {
         let means: Vec<f64> = profile.mean_forces().collect();
         let best = fidelity(&means, &profile);
         assert_eq!(best.mean_force_error, 0.0);
-        assert_close(name, best.force_rendering_error, best.hold_floor, 1e-9);
-        assert_close(name, best.error_over_floor.unwrap(), 1.0, 1e-9);
+        assert_close(name, best.force_rendering_error, best.hold_bound, 1e-9);
+        assert_close(name, best.error_over_bound.unwrap(), 1.0, 1e-9);
         let none = fidelity(&vec![0.0; profile.intervals()], &profile);
         assert_close(name, none.force_rendering_error, 100.0, 1e-12);
     }
@@ -50,11 +53,11 @@ fn error_and_floor_are_sides_of_a_right_triangle() {
         let (ideal, profile) = windowed(scene, period, collisions);
         for damping in [-0.5, 0.0, 0.3, 1.0] {
             let held = held_by_spring(&ideal, &profile, damping);
-            let judged = fidelity(&held, &profile);
-            let square = judged.hold_floor.powi(2) + judged.mean_force_error.powi(2);
-            let given = judged.force_rendering_error.powi(2);
+            let evaluated = fidelity(&held, &profile);
+            let square = evaluated.hold_bound.powi(2) + evaluated.mean_force_error.powi(2);
+            let given = evaluated.force_rendering_error.powi(2);
             assert_close(name, given / square, 1.0, 1e-12);
-            assert!(judged.mean_force_error > 1.0);
+            assert!(evaluated.mean_force_error > 1.0);
         }
     }
 }
@@ -145,17 +148,17 @@ fn collisions_are_paired_by_number() {
     }
     held[40] = 3.0;
     held[41] = -1.0;
-    let judged = ForceJudgement::of(&held, &profile).unwrap();
-    assert_eq!(judged.rendered_collisions, 2);
+    let evaluated = ForceEvaluation::of(&held, &profile).unwrap();
+    assert_eq!(evaluated.rendered_collisions, 2);
     let largest = profile.mean_forces().take(25).fold(0.0, f64::max);
-    assert_eq!(judged.peak_force, 2.0 * largest);
-    let [one, two, three] = &judged.collisions[..] else {
+    assert_eq!(evaluated.peak_force, 2.0 * largest);
+    let [one, two, three] = &evaluated.collisions[..] else {
         panic!("three judgements expected")
     };
     let rendered = one.rendered.clone().unwrap();
     assert_eq!(rendered.intervals, 10..19);
     assert_close("impulse", rendered.impulse_error.unwrap(), 1.0, 1e-12);
-    let expected = judged.peak_force / first.peak_force - 1.0;
+    let expected = evaluated.peak_force / first.peak_force - 1.0;
     assert_close("peak", rendered.peak_force_error.unwrap(), expected, 1e-12);
     let rendered = two.rendered.clone().unwrap();
     assert_eq!(rendered.intervals, 40..42);
@@ -188,9 +191,9 @@ fn a_force_that_dies_away_after_contact_does_not_join_collisions() {
                 tail = share * peak;
             }
         }
-        let judged = ForceJudgement::of(&held, &profile).unwrap();
-        assert_eq!(judged.rendered_collisions, 3, "{what}");
-        for collision in &judged.collisions {
+        let evaluated = ForceEvaluation::of(&held, &profile).unwrap();
+        assert_eq!(evaluated.rendered_collisions, 3, "{what}");
+        for collision in &evaluated.collisions {
             let error = collision.rendered.clone().unwrap().impulse_error.unwrap();
             assert!((0.0..0.05).contains(&error), "{what}: {error}");
         }
@@ -200,10 +203,10 @@ fn a_force_that_dies_away_after_contact_does_not_join_collisions() {
     let free =
         (20..held.len()).find(|&i| held[i - 1] == 0.0 && held[i] == 0.0 && held[i + 1] == 0.0);
     held[free.unwrap()] = 1e-3 * peak;
-    let judged = ForceJudgement::of(&held, &profile).unwrap();
-    assert_eq!(judged.rendered_collisions, 3);
+    let evaluated = ForceEvaluation::of(&held, &profile).unwrap();
+    assert_eq!(evaluated.rendered_collisions, 3);
     let error = |number: usize| {
-        judged.collisions[number]
+        evaluated.collisions[number]
             .rendered
             .clone()
             .unwrap()
@@ -224,21 +227,21 @@ fn what_the_best_held_force_cannot_show_apart_is_judged_as_one() {
         let (ideal, _) = windowed(FALLING_BLOCK, 0.001, 3);
         let profile = ideal.profile(period, intervals).unwrap();
         let means: Vec<f64> = profile.mean_forces().collect();
-        let judged = ForceJudgement::of(&means, &profile).unwrap();
-        assert!(judged.rendered_collisions >= judged.collisions.len());
-        let impulses = judged.collisions.iter().map(|each| each.ideal.impulse);
+        let evaluated = ForceEvaluation::of(&means, &profile).unwrap();
+        assert!(evaluated.rendered_collisions >= evaluated.collisions.len());
+        let impulses = evaluated.collisions.iter().map(|each| each.ideal.impulse);
         let ended = profile
             .collisions()
             .iter()
             .filter(|each| each.end.is_some());
-        let (judged_impulse, impulse): (f64, f64) =
+        let (reference_impulse, impulse): (f64, f64) =
             (impulses.sum(), ended.map(|c| c.impulse).sum());
-        if judged.collisions.len() < true_ones.len() {
+        if evaluated.collisions.len() < true_ones.len() {
             joined += 1;
         } else {
-            assert_close("impulse", judged_impulse, impulse, 1e-12);
+            assert_close("impulse", reference_impulse, impulse, 1e-12);
         }
-        for collision in &judged.collisions {
+        for collision in &evaluated.collisions {
             let rendered = collision.rendered.clone().unwrap();
             let error = rendered.impulse_error.unwrap();
             assert!(error.abs() < 0.2, "{intervals} intervals: {error}");
@@ -255,11 +258,14 @@ fn without_contact_there_is_nothing_to_divide_by() {
     })
     .unwrap();
     let profile = ideal.profile(0.01, 5).unwrap();
-    let judged = ForceJudgement::of(&[0.0, 0.0, 1.0, 0.0, 0.0], &profile).unwrap();
-    assert_eq!(judged.fidelity, None);
-    assert!(judged.collisions.is_empty());
-    assert_eq!((judged.rendered_collisions, judged.peak_force), (1, 1.0));
-    let energy = EnergyJudgement::of(&ideal, &profile, &ideal_loop(&ideal, &profile)).unwrap();
+    let evaluated = ForceEvaluation::of(&[0.0, 0.0, 1.0, 0.0, 0.0], &profile).unwrap();
+    assert_eq!(evaluated.fidelity, None);
+    assert!(evaluated.collisions.is_empty());
+    assert_eq!(
+        (evaluated.rendered_collisions, evaluated.peak_force),
+        (1, 1.0)
+    );
+    let energy = EnergyEvaluation::of(&ideal, &profile, &ideal_loop(&ideal, &profile)).unwrap();
     assert_eq!(energy.energy_drift, None);
     assert!(!energy.diverged);
 }
@@ -270,14 +276,14 @@ fn what_is_not_finite_becomes_infinite_and_never_a_nan() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
         let mut held: Vec<f64> = profile.mean_forces().collect();
         held[15] = bad;
-        let judged = ForceJudgement::of(&held, &profile).unwrap();
-        let fidelity = judged.fidelity.unwrap();
+        let evaluated = ForceEvaluation::of(&held, &profile).unwrap();
+        let fidelity = evaluated.fidelity.unwrap();
         assert_eq!(fidelity.force_rendering_error, f64::INFINITY);
         assert_eq!(fidelity.mean_force_error, f64::INFINITY);
-        assert!(judged.peak_force >= 1e300);
+        assert!(evaluated.peak_force >= 1e300);
         let mut record = ideal_loop(&ideal, &profile);
         record[20].device_velocity = bad;
-        let energy = EnergyJudgement::of(&ideal, &profile, &record).unwrap();
+        let energy = EnergyEvaluation::of(&ideal, &profile, &record).unwrap();
         assert!(energy.diverged);
     }
 }
@@ -285,9 +291,9 @@ fn what_is_not_finite_becomes_infinite_and_never_a_nan() {
 #[test]
 fn records_of_another_length_are_refused() {
     let (ideal, profile) = windowed(FALLING_BLOCK, 0.01, 3);
-    let error = ForceJudgement::of(&[0.0; 74], &profile).unwrap_err();
+    let error = ForceEvaluation::of(&[0.0; 74], &profile).unwrap_err();
     assert_eq!((error.given, error.expected), (74, 75));
     let record = ideal_loop(&ideal, &profile);
-    let error = EnergyJudgement::of(&ideal, &profile, &record[..75]).unwrap_err();
+    let error = EnergyEvaluation::of(&ideal, &profile, &record[..75]).unwrap_err();
     assert_eq!((error.given, error.expected), (75, 76));
 }

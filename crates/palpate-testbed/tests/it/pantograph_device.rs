@@ -471,16 +471,16 @@ fn torques_from_elsewhere_move_it_as_its_own_would() {
     let mut own = Pantograph::new(params)
         .and_then(|device| device.with_user_force([0.1, 0.3]))
         .unwrap();
-    let mut told = own;
-    let start = account(&told);
+    let mut model = own;
+    let start = account(&model);
     for i in 0..300 {
         let force = 0.7 * (0.05 * f64::from(i)).sin();
         own.sample(1e-3);
         own.advance(force, 1e-3);
-        told.turn(own.motor_torques(), 1e-3);
+        model.turn(own.motor_torques(), 1e-3);
     }
-    assert_eq!(own.pose().angles, told.pose().angles);
-    assert!((account(&told) - start).abs() < 1e-9);
-    told.turn([f64::NAN, 1e9], 1e-3);
-    assert_eq!(told.motor_torques(), [0.0, params.max_torque]);
+    assert_eq!(own.pose().angles, model.pose().angles);
+    assert!((account(&model) - start).abs() < 1e-9);
+    model.turn([f64::NAN, 1e9], 1e-3);
+    assert_eq!(model.motor_torques(), [0.0, params.max_torque]);
 }

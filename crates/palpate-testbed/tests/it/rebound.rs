@@ -1,7 +1,7 @@
 //! Rebound speeds, on loops simple enough to be written here.
 
 use crate::common::{FALLING_BLOCK, PAPER, WALL, assert_close, ideal_loop, spring_loop, windowed};
-use palpate_testbed::metrics::{EnergyJudgement, Rebound, ReboundSpeed};
+use palpate_testbed::metrics::{EnergyEvaluation, Rebound, ReboundSpeed};
 
 #[test]
 fn a_loop_like_the_ideal_parts_as_fast_as_the_ideal() {
@@ -27,7 +27,7 @@ fn a_sampled_spring_parts_faster_by_the_energy_it_makes() {
         let (ideal, profile) = windowed(scene, period, 1);
         let record = spring_loop(&ideal, &profile, 0.0);
         let speeds = ReboundSpeed::of(&profile, &record).unwrap();
-        let energies = EnergyJudgement::of(&ideal, &profile, &record).unwrap();
+        let energies = EnergyEvaluation::of(&ideal, &profile, &record).unwrap();
         let (Some(error), Rebound::EnergyError(energy)) = (speeds[0].error, &energies.rebounds[0])
         else {
             panic!("{name}: {speeds:?} {energies:?}");

@@ -2,7 +2,7 @@
 
 use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
 use palpate_testbed::ideal::{Ideal, PointMassScene};
-use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement};
+use palpate_testbed::metrics::{EnergyEvaluation, ForceEvaluation};
 use palpate_testbed::profile::Snapshot;
 use palpate_testbed::recorded_path::RecordedPath;
 use proptest::prelude::*;
@@ -61,17 +61,17 @@ proptest! {
             prop_assert!(collision.impulse.is_finite() && collision.peak_force.is_finite());
             prop_assert!(collision.impact_speed.is_finite());
         }
-        let judged = ForceJudgement::of(&forces, &profile).unwrap();
-        if let Some(fidelity) = judged.fidelity {
+        let evaluated = ForceEvaluation::of(&forces, &profile).unwrap();
+        if let Some(fidelity) = evaluated.fidelity {
             prop_assert!(fidelity.force_rendering_error.is_finite());
             prop_assert!(fidelity.mean_force_error.is_finite());
-            prop_assert!((0.0..=100.0 + 1e-9).contains(&fidelity.hold_floor));
-            let sides = fidelity.hold_floor.hypot(fidelity.mean_force_error);
+            prop_assert!((0.0..=100.0 + 1e-9).contains(&fidelity.hold_bound));
+            let sides = fidelity.hold_bound.hypot(fidelity.mean_force_error);
             prop_assert!((fidelity.force_rendering_error - sides).abs() <= 1e-9 * sides);
         }
         let record: Vec<Snapshot> = (0..=64).map(|i| ideal.at(f64::from(i) * period)).collect();
         prop_assert!(record.iter().all(Snapshot::is_finite));
-        let energy = EnergyJudgement::of(&ideal, &profile, &record).unwrap();
+        let energy = EnergyEvaluation::of(&ideal, &profile, &record).unwrap();
         prop_assert!(energy.energy_drift.is_none_or(f64::is_finite));
     }
 

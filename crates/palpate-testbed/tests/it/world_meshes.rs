@@ -187,9 +187,9 @@ fn the_ideal_on_a_bumpy_sphere_agrees_with_itself_and_keeps_its_energy() {
     );
     let checked = CheckedIdeal::new(&scene, Grid::even(0.0, 0.001, 250)).unwrap();
     let ideal = &checked.ideal;
-    let balance = |number: usize| ideal.states[number].books.balance();
+    let balance = |number: usize| ideal.states[number].ledger.balance();
     let error = (balance(250) - balance(0)).abs();
-    let turned_over = ideal.states[250].books.dissipated;
+    let turned_over = ideal.states[250].ledger.dissipated;
     println!(
         "itself {:.0e} %, {} events, {} steps; energy to {error:.0e} J of {turned_over:.1e} J",
         checked.error, ideal.events, ideal.steps

@@ -6,10 +6,10 @@ use palpate_testbed::grid::Grid;
 use palpate_testbed::hand::Sinusoid;
 use palpate_testbed::world::{
     ContactLaw, Member, Pair, PlantParams, Shape, SphereAt, Tool, Turning, TurningHand, WorldBody,
-    WorldDevice, WorldHand, WorldIdeal, WorldJudgement, WorldPlant, WorldScene,
+    WorldDevice, WorldEvaluation, WorldHand, WorldIdeal, WorldPlant, WorldScene,
 };
 
-const NOT_TURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
+const IDENTITY: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
 fn tool(tool: Tool, inertia: [f64; 3], angular_velocity: [f64; 3]) -> WorldDevice {
     WorldDevice {
@@ -22,7 +22,7 @@ fn tool(tool: Tool, inertia: [f64; 3], angular_velocity: [f64; 3]) -> WorldDevic
         tool,
         turning: Some(Turning {
             inertia,
-            orientation: NOT_TURNED,
+            orientation: IDENTITY,
             angular_velocity,
             hand: TurningHand::none(),
             gives_torque: true,
@@ -75,7 +75,7 @@ fn on_a_table() -> WorldScene {
             offset: 0.0,
         },
         position: [0.0; 3],
-        orientation: NOT_TURNED,
+        orientation: IDENTITY,
         motion: None,
     };
     WorldScene {
@@ -128,11 +128,11 @@ fn a_symmetric_tool_precesses_at_the_rate_of_the_closed_form() {
 fn energy_in_is_energy_kept_and_energy_out() {
     let scene = on_a_table();
     let ideal = WorldIdeal::new(&scene, Grid::even(0.0, 0.001, 300)).unwrap();
-    let start = ideal.states[0].books.balance();
+    let start = ideal.states[0].ledger.balance();
     let last = ideal.states.last().unwrap();
-    let off = (last.books.balance() - start).abs();
-    assert!(last.books.dissipated > 1e-4 && last.books.hand_work.abs() > 1e-4);
-    assert!(off < 1e-9 * last.books.dissipated, "{off}");
+    let off = (last.ledger.balance() - start).abs();
+    assert!(last.ledger.dissipated > 1e-4 && last.ledger.hand_work.abs() > 1e-4);
+    assert!(off < 1e-9 * last.ledger.dissipated, "{off}");
     assert!(
         ideal
             .states
@@ -221,11 +221,11 @@ fn floor_and_error_add_up_in_squares_for_torques_too() {
     };
     let best = [means(&ideal.devices[0].impulses)];
     let best_torque = [means(&ideal.devices[0].torque_impulses)];
-    let at_best = WorldJudgement::of_wrenches(&scene, &ideal, &best, &best_torque).unwrap();
-    let none = WorldJudgement::of(&scene, &ideal, &best).unwrap();
+    let at_best = WorldEvaluation::of_wrenches(&scene, &ideal, &best, &best_torque).unwrap();
+    let none = WorldEvaluation::of(&scene, &ideal, &best).unwrap();
     let sum = at_best.sum.unwrap();
     assert!(
-        sum.mean_force_error < 1e-9 && sum.hold_floor > 0.5,
+        sum.mean_force_error < 1e-9 && sum.hold_bound > 0.5,
         "{sum:?}"
     );
     // Without rendered torques the torque error is 100 %, and the force error is 0.
@@ -237,7 +237,7 @@ fn floor_and_error_add_up_in_squares_for_torques_too() {
     );
     assert!(device.force.unwrap().mean_force_error < 1e-9);
     for fidelity in [device.sum.unwrap(), torque, none.sum.unwrap()] {
-        let squares = fidelity.hold_floor.hypot(fidelity.mean_force_error);
+        let squares = fidelity.hold_bound.hypot(fidelity.mean_force_error);
         assert!((squares - fidelity.force_rendering_error).abs() < 1e-9);
     }
     assert!(device.sum.unwrap().mean_force_error > 20.0);
@@ -295,7 +295,7 @@ fn a_hand_alone_turns_a_tool_whose_device_gives_no_torque() {
     let turned = WorldIdeal::new(&on_a_table(), grid.clone()).unwrap();
     assert!(turned_away(&turned, &in_the_air) > 1e-3);
 
-    let [start, last] = [0, 300].map(|state: usize| &ideal.states[state].books);
+    let [start, last] = [0, 300].map(|state: usize| &ideal.states[state].ledger);
     let off = (last.balance() - start.balance()).abs();
     assert!(
         last.dissipated > 1e-4 && off < 1e-9 * last.dissipated,
@@ -319,7 +319,7 @@ fn a_hand_alone_turns_a_tool_whose_device_gives_no_torque() {
             .all(|x| *x == 0.0)
     );
     let forces = ideal.devices[0].mean_forces(&grid);
-    let judged = WorldJudgement::of(&scene, &ideal, &[forces]).unwrap();
-    assert_eq!(judged.devices[0].torque, None);
-    assert!(judged.sum.unwrap().mean_force_error < 1e-9);
+    let evaluated = WorldEvaluation::of(&scene, &ideal, &[forces]).unwrap();
+    assert_eq!(evaluated.devices[0].torque, None);
+    assert!(evaluated.sum.unwrap().mean_force_error < 1e-9);
 }

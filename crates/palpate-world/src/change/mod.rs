@@ -1,15 +1,15 @@
 //! Changes of a running world: different bodies, contacts and joints, and displaced bodies.
 
-mod going_on;
+mod migration;
 mod succession;
 
 use crate::body::rotation;
+use crate::contact_point::Touch;
 use crate::state::{BodyState, WorldState, body_state};
-use crate::touch::Touch;
 use crate::world::{Faults, is_unit};
 use crate::{Motion, World, WorldError, WorldField, WorldPart, WorldRenderer};
 
-use going_on::New;
+use migration::New;
 pub use succession::Succession;
 
 impl WorldRenderer {
@@ -31,9 +31,9 @@ impl WorldRenderer {
     ///   point and axis apply to the current poses of the bodies.
     ///
     /// Device estimates and commanded forces continue. The energy added or removed by a change is recorded as outside
-    /// work. The ledgers of removed elements are summed in [`Books::gone`](crate::Books::gone). The force may step at
+    /// work. The ledgers of removed elements are summed in [`EnergyLedger::gone`](crate::EnergyLedger::gone). The force may step at
     /// the next sample. This function allocates, like [`new`](Self::new). [`succeed`](Self::succeed) followed by
-    /// [`go_on`](Self::go_on) has the same effect, and `go_on` does not allocate.
+    /// [`resume`](Self::go_on) has the same effect, and `resume` does not allocate.
     ///
     /// # Errors
     /// All faults of the new world, or a changed number, order, name or kind of tools.
@@ -44,10 +44,10 @@ impl WorldRenderer {
     ) -> Result<(Self, WorldState), Vec<WorldError>> {
         self.check_tools(world)?;
         let now = self.where_it_is(state, world);
-        let mut renderer = Self::new(&now, self.in_loop.clone(), self.described.clone())?;
+        let mut renderer = Self::new(&now, self.loop_params.clone(), self.described.clone())?;
         let succession = renderer.succeed(self, &[])?;
         let mut next = renderer.start();
-        renderer.go_on(&mut next, (self, state), &succession);
+        renderer.resume(&mut next, (self, state), &succession);
         Ok((renderer, next))
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::{Joint, Shape, WorldError, WorldRenderer};
 
 /// Index mapping from the elements of a world to those of its predecessor, created by [`WorldRenderer::succeed`] and
-/// used by [`WorldRenderer::go_on`].
+/// used by [`WorldRenderer::resume`].
 #[derive(Clone, Debug)]
 pub struct Succession {
     /// Previous index of each tool and body, among tools and bodies.

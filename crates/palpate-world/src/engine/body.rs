@@ -70,7 +70,7 @@ impl BodyNow {
     pub fn fixed(position: Vector) -> Self {
         Self {
             position,
-            orientation: crate::NOT_TURNED,
+            orientation: crate::IDENTITY,
             velocity: [0.0; 3],
             angular_velocity: [0.0; 3],
             acceleration: [0.0; 3],

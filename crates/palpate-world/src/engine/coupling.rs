@@ -2,30 +2,30 @@
 
 use palpate::Fault;
 
+use super::contact_point::Touch;
 use super::image::{Image, ImageOffset};
-use super::meeting::Meeting;
+use super::integration::Meeting;
 use super::pairs::Pair;
 use super::state::{
-    BodyPortBook, EngineBooks, EngineContact, EngineState, Period, PortBook, TrackedDevice,
+    BodyPortLedger, EngineContact, EngineLedger, EngineState, Period, PortLedger, TrackedDevice,
 };
-use super::touch::Touch;
-use crate::books::CreatedAtPorts;
 use crate::commands::Commands;
-use crate::interval::MOST_TIMES;
-use crate::method::coupled::{Coupled, LEAST_FORCE};
+use crate::interval::MAX_TIMES;
+use crate::ledger::CreatedAtPorts;
+use crate::method::coupled::{Coupled, MIN_FORCE};
+use crate::moving_body::{Drive, Part};
 use crate::observer::{AxisForce, AxisMotion};
-use crate::part::{Drive, Part};
 use crate::rigid::{Mobility, Rigid, Rotation, Vector3};
 use crate::tracking::Tracking;
 use crate::{
-    ContactBook, CoupledParams, Effort, Limited, Mode, Sample, Tool, ToolState, Vector, WorldError,
-    WorldField, WorldGuard, WorldLoop, WorldPart,
+    ContactLedger, CoupledParams, Effort, Limited, Mode, Sample, Tool, ToolState, Vector,
+    WorldError, WorldField, WorldGuard, WorldLoop, WorldPart,
 };
 
 /// Devices coupled to images of bodies, in one loop.
 #[derive(Clone, Debug)]
 pub(super) struct Coupling {
-    pub in_loop: WorldLoop,
+    pub loop_params: WorldLoop,
     pub coupled: Coupled,
 }
 
@@ -34,13 +34,13 @@ impl Coupling {
     /// messages.
     pub fn checked(
         tools: &[Tool],
-        in_loop: WorldLoop,
+        loop_params: WorldLoop,
         params: CoupledParams,
         bodies: &str,
         mut faults: Vec<WorldError>,
     ) -> Result<Self, Vec<WorldError>> {
-        faults.extend(in_loop.faults(tools.len()));
-        if in_loop.guard != WorldGuard::Off {
+        faults.extend(loop_params.faults(tools.len()));
+        if loop_params.guard != WorldGuard::Off {
             let message = format!(
                 "guard is asked for, and {bodies} bodies have no books that it could reckon with"
             );
@@ -52,7 +52,10 @@ impl Coupling {
             ));
         }
         match params.check(tools) {
-            Ok(coupled) if faults.is_empty() => Ok(Self { in_loop, coupled }),
+            Ok(coupled) if faults.is_empty() => Ok(Self {
+                loop_params,
+                coupled,
+            }),
             checked => {
                 faults.extend(checked.err().into_iter().flatten());
                 Err(faults)
@@ -98,7 +101,7 @@ impl Coupling {
                 .map(|priors| TrackedDevice::new(priors, Vector3::zeros()))
                 .collect(),
             tracking: Tracking::new(&vec![false; tools]),
-            commands: Commands::new(tools, &self.in_loop.actuation, self.in_loop.period),
+            commands: Commands::new(tools, &self.loop_params.actuation, self.loop_params.period),
             intended: vec![Vector3::zeros(); tools],
             forces: vec![[0.0; 3]; tools],
             advanced: 0.0,
@@ -107,10 +110,10 @@ impl Coupling {
             effort: Effort::default(),
             tools: vec![ToolState::default(); tools],
             contacts: contacts.collect(),
-            books: EngineBooks {
-                contacts: vec![ContactBook::default(); pairs.len()],
-                devices: vec![PortBook::default(); tools],
-                bodies: vec![BodyPortBook::default(); bodies],
+            ledger: EngineLedger {
+                contacts: vec![ContactLedger::default(); pairs.len()],
+                devices: vec![PortLedger::default(); tools],
+                bodies: vec![BodyPortLedger::default(); bodies],
             },
             at_ports: CreatedAtPorts::none(pairs.len()),
         }
@@ -130,8 +133,8 @@ impl Coupling {
         state.advanced = 0.0;
         state.fault = None;
         let is_in_progress = state.tracking.in_progress;
-        let elapsed = state.tracking.believe(sample, &self.in_loop);
-        let period = self.in_loop.period;
+        let elapsed = state.tracking.believe(sample, &self.loop_params);
+        let period = self.loop_params.period;
         state.commands.pass(*elapsed.as_ref().unwrap_or(&period));
         match elapsed {
             Ok(elapsed) => {
@@ -142,7 +145,7 @@ impl Coupling {
             }
             Err(fault) => {
                 state.fault = Some(fault);
-                self.let_go(state);
+                self.disable_output(state);
                 None
             }
         }
@@ -164,9 +167,9 @@ impl Coupling {
         let EngineState {
             meeting, before, ..
         } = state;
-        let (sub_steps, period) = (&self.in_loop.sub_steps, self.in_loop.period);
+        let (sub_steps, period) = (&self.loop_params.sub_steps, self.loop_params.period);
         let worked: f64 = meeting.touches.iter().map(|touch| touch.work).sum();
-        let effort = meeting.advance(before, pairs, sub_steps, MOST_TIMES, h, period);
+        let effort = meeting.advance(before, pairs, sub_steps, MAX_TIMES, h, period);
         state.effort = state.effort.and(effort);
         let after: f64 = meeting.touches.iter().map(|touch| touch.work).sum();
         let parts = meeting.tools.iter();
@@ -174,11 +177,11 @@ impl Coupling {
         let moved: f64 = meeting.images.iter().map(Image::sum).sum();
         if effort.unstable || !(after + places + moved - worked).is_finite() {
             state.fail(Fault::Overflow);
-            self.let_go(state);
+            self.disable_output(state);
             return false;
         }
         // `hold` records work and dissipation when the period ends.
-        state.book_stored(pairs, |book| &mut book.step_error);
+        state.record_stored(pairs, |entry| &mut entry.step_error);
         state.advanced += h;
         true
     }
@@ -198,7 +201,7 @@ impl Coupling {
             state.fail(Fault::Overflow);
             state.intended.fill(Vector3::zeros());
             state.forces.fill([0.0; 3]);
-            self.let_go(state);
+            self.disable_output(state);
         }
         state.commands.send(&state.intended, &state.forces);
         self.publish(state);
@@ -232,29 +235,29 @@ impl Coupling {
                 device.observers[axis].see(&priors[axis], moved[axis], &force, elapsed);
             }
             device.measured = position;
-            let book = &mut state.books.devices[tool];
-            book.port_work += acted.sent.dot(&moved);
+            let entry = &mut state.ledger.devices[tool];
+            entry.port_work += acted.sent.dot(&moved);
             let Some(period) = device.period.take() else {
                 continue;
             };
-            book.held += period.mean.dot(&moved);
-            book.carried += self.coupled.axes[tool].across(&period.mean).dot(&moved);
+            entry.held += period.mean.dot(&moved);
+            entry.carried += self.coupled.axes[tool].across(&period.mean).dot(&moved);
             device.conclude(&period, elapsed);
             if period.touched || state.commands.is_expected(tool) {
                 self.coupled
-                    .walk_back_in_contact(&mut device.avatar, elapsed);
+                    .walk_back_in_contact(&mut device.proxy, elapsed);
             } else {
-                self.coupled.walk_back(&mut device.avatar, elapsed);
+                self.coupled.walk_back(&mut device.proxy, elapsed);
             }
-            state.limited.offset |= self.coupled.limit_offset(&mut device.avatar);
-            for (touch, (pair, book)) in state
+            state.limited.offset |= self.coupled.limit_offset(&mut device.proxy);
+            for (touch, (pair, entry)) in state
                 .meeting
                 .touches
                 .iter()
-                .zip(pairs.iter().zip(&mut state.books.contacts))
+                .zip(pairs.iter().zip(&mut state.ledger.contacts))
             {
                 if pair.toucher.is_tool(tool) {
-                    book.held += touch.impulse.dot(&moved) / period.duration;
+                    entry.held += touch.impulse.dot(&moved) / period.duration;
                 }
             }
         }
@@ -279,7 +282,7 @@ impl Coupling {
 
     /// Places the proxies at the start of the next command's period.
     fn place(&self, state: &mut EngineState) {
-        let pieces = state.commands.look_ahead(self.in_loop.period);
+        let pieces = state.commands.look_ahead(self.loop_params.period);
         for (tool, device) in state.devices.iter_mut().enumerate() {
             let observers = &device.observers;
             device.ahead = observers.each_ref().map(|observer| observer.motion);
@@ -303,8 +306,8 @@ impl Coupling {
             }
             let part = &mut state.meeting.tools[tool];
             part.rigid.position =
-                device.measured + device.of(|axis| axis.offset) + device.avatar.offset;
-            part.rigid.velocity = device.of(|axis| axis.velocity) + device.avatar.velocity_offset;
+                device.measured + device.of(|axis| axis.offset) + device.proxy.offset;
+            part.rigid.velocity = device.of(|axis| axis.velocity) + device.proxy.velocity_offset;
             part.mobility.linear = device.of(|axis| axis.mobility);
             part.drive = Drive {
                 damping_rate: device.of(|axis| axis.damping_rate),
@@ -316,17 +319,17 @@ impl Coupling {
     }
 
     /// Ends all contacts and discards the energy stored in them.
-    pub fn let_go(&self, state: &mut EngineState) {
+    pub fn disable_output(&self, state: &mut EngineState) {
         state.tracking.in_progress = false;
-        for (touch, book) in state
+        for (touch, entry) in state
             .meeting
             .touches
             .iter_mut()
-            .zip(&mut state.books.contacts)
+            .zip(&mut state.ledger.contacts)
         {
             *touch = Touch::apart();
-            book.observed -= book.stored;
-            book.stored = 0.0;
+            entry.observed -= entry.stored;
+            entry.stored = 0.0;
         }
         for offset in &mut state.offsets {
             *offset = ImageOffset::none();
@@ -342,18 +345,18 @@ impl Coupling {
         let duration = state.advanced;
         for (tool, device) in state.devices.iter_mut().enumerate() {
             let mut touched = false;
-            for (touch, (pair, book)) in state
+            for (touch, (pair, entry)) in state
                 .meeting
                 .touches
                 .iter()
-                .zip(pairs.iter().zip(&mut state.books.contacts))
+                .zip(pairs.iter().zip(&mut state.ledger.contacts))
             {
                 if pair.toucher.is_tool(tool) {
                     touched |= !touch.is_apart() || touch.impulse != Vector3::zeros();
-                    book.work += touch.work;
-                    book.work_on_avatar += touch.work_on_avatar;
-                    book.dissipated += touch.dissipated;
-                    book.step_error += touch.work + touch.dissipated;
+                    entry.work += touch.work;
+                    entry.work_on_proxy += touch.work_on_proxy;
+                    entry.dissipated += touch.dissipated;
+                    entry.step_error += touch.work + touch.dissipated;
                 }
             }
             let mean = state.meeting.impulses[tool] / duration;
@@ -364,12 +367,12 @@ impl Coupling {
                 if touched && mobility > 0.0 {
                     // Impulse correction: removes the velocity offset at the start of the period that this force
                     // governs.
-                    held[axis] += device.avatar.velocity_offset[axis] / (mobility * duration);
+                    held[axis] += device.proxy.velocity_offset[axis] / (mobility * duration);
                 }
             }
             let intended = state.commands.command(tool, &held, duration);
             let mut intended = self.coupled.axes[tool].along(&intended);
-            if !touched && intended.norm() <= LEAST_FORCE {
+            if !touched && intended.norm() <= MIN_FORCE {
                 intended = Vector3::zeros();
             }
             device.period = Some(Period {
@@ -382,8 +385,8 @@ impl Coupling {
             state.intended[tool] = intended;
             let mut sent = intended;
             let norm = intended.norm();
-            let most = self.in_loop.force_limits.get(tool);
-            let most = most.map(|most| most / self.in_loop.actuation.limit_gain());
+            let most = self.loop_params.force_limits.get(tool);
+            let most = most.map(|most| most / self.loop_params.actuation.limit_gain());
             if let Some(most) = most
                 && norm > most
             {
@@ -411,10 +414,10 @@ impl Coupling {
             let velocity = of(|axis| axis.velocity);
             shown.position = position.into();
             shown.velocity = velocity.into();
-            shown.offset = device.avatar.offset.into();
-            shown.velocity_offset = device.avatar.velocity_offset.into();
-            shown.avatar_position = (position + device.avatar.offset).into();
-            shown.avatar_velocity = (velocity + device.avatar.velocity_offset).into();
+            shown.offset = device.proxy.offset.into();
+            shown.velocity_offset = device.proxy.velocity_offset.into();
+            shown.proxy_position = (position + device.proxy.offset).into();
+            shown.proxy_velocity = (velocity + device.proxy.velocity_offset).into();
             shown.force = state.forces[tool];
             shown.mass = Some(of(|axis| 1.0 / axis.mobility).into());
         }
@@ -431,7 +434,7 @@ impl TrackedDevice {
             let known = self.observers[axis].motion;
             let apart = AxisMotion {
                 offset: 0.0,
-                velocity: self.avatar.velocity_offset[axis],
+                velocity: self.proxy.velocity_offset[axis],
                 external: 0.0,
                 ..known
             };
@@ -444,8 +447,8 @@ impl TrackedDevice {
                 share: 1.0,
             };
             let change = apart.under(&force, elapsed);
-            self.avatar.offset[axis] += change.travel;
-            self.avatar.velocity_offset[axis] += change.gained;
+            self.proxy.offset[axis] += change.travel;
+            self.proxy.velocity_offset[axis] += change.gained;
         }
     }
 }

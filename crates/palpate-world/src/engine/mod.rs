@@ -20,15 +20,17 @@
 //! becomes the offset of its image, with which the proxy collides instead of the body.
 
 mod body;
+mod contact_point;
 mod coupling;
 mod image;
+mod integration;
 pub mod local;
-mod meeting;
 mod pairs;
 mod renderer;
 mod state;
-mod touch;
 
 pub use body::{BodyNow, BodyWrench, EngineBody, PlacedShape, Stepping};
 pub use renderer::EngineRenderer;
-pub use state::{BodyPortBook, EngineBooks, EngineContact, EngineOutput, EngineState, PortBook};
+pub use state::{
+    BodyPortLedger, EngineContact, EngineLedger, EngineOutput, EngineState, PortLedger,
+};

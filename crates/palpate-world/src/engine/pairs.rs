@@ -8,7 +8,7 @@ use super::body::EngineBody;
 use crate::law::PointLaw;
 use crate::rigid::{Rigid, Rotation, Vector3};
 use crate::solid::{Nearest, Solid};
-use crate::{MOST_POINTS, Mesh, Shape, Tool, WorldError, WorldField, WorldPart};
+use crate::{MAX_POINTS, Mesh, Shape, Tool, WorldError, WorldField, WorldPart};
 
 /// A convex surface that a sphere touches at one point.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ impl Outline {
             Shape::Mesh(_) => Err(format!(
                 "a mesh here has to be closed and convex, of at most {} triangles: give the hull around it, or several \
                  convex parts",
-                Mesh::MOST_OF_CONVEX
+                Mesh::MAX_OF_CONVEX
             )),
             other => Solid::of(other).map(Self::Solid).ok_or_else(|| {
                 "a body of several spheres has a shape for each of them here".to_string()
@@ -72,7 +72,7 @@ fn bent(curvature: f64, point: &Vector3) -> Nearest {
         normal: Vector3::z(),
         slope: 1.0,
     };
-    if curvature.abs() < LEAST_CURVATURE {
+    if curvature.abs() < MIN_CURVATURE {
         return flat;
     }
     let radius = 1.0 / curvature;
@@ -93,7 +93,7 @@ fn bent(curvature: f64, point: &Vector3) -> Nearest {
 
 /// Curvature below which a surface is treated as a plane `[1/m]`. The error over 0.1 m is 50 nm; a radius of 100 km
 /// would have a rounding error of 0.01 nm.
-const LEAST_CURVATURE: f64 = 1e-5;
+const MIN_CURVATURE: f64 = 1e-5;
 
 /// The sphere that touches a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -240,13 +240,13 @@ pub(super) fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<Wo
             message,
         ));
     }
-    if pairs.len() > MOST_POINTS {
+    if pairs.len() > MAX_POINTS {
         faults.push(WorldError::new(
             WorldPart::World,
             WorldField::Bodies,
             "the engine",
             format!(
-                "its bodies have {} shapes for all tools together, and at most {MOST_POINTS} are allowed",
+                "its bodies have {} shapes for all tools together, and at most {MAX_POINTS} are allowed",
                 pairs.len()
             ),
         ));

@@ -6,7 +6,7 @@ use super::body::{BodyNow, BodyWrench, EngineBody, Stepping};
 use super::coupling::Coupling;
 use super::image::Image;
 use super::pairs::{Pair, pairs};
-use super::state::{BodyPortBook, EngineOutput, EngineState};
+use super::state::{BodyPortLedger, EngineOutput, EngineState};
 use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
 
 /// Renderer for contacts of tools with the bodies of another engine, in one loop. It is immutable: one renderer
@@ -29,12 +29,12 @@ impl EngineRenderer {
         tools: &[Tool],
         bodies: &[EngineBody],
         stepping: Stepping,
-        in_loop: WorldLoop,
+        loop_params: WorldLoop,
         params: CoupledParams,
     ) -> Result<Self, Vec<WorldError>> {
         let (pairs, faults) = pairs(tools, bodies);
         Ok(Self {
-            coupling: Coupling::checked(tools, in_loop, params, "an engine's", faults)?,
+            coupling: Coupling::checked(tools, loop_params, params, "an engine's", faults)?,
             bodies: bodies.len(),
             pairs,
             stepping,
@@ -43,8 +43,8 @@ impl EngineRenderer {
 
     /// Returns the loop parameters.
     #[must_use]
-    pub fn in_loop(&self) -> &WorldLoop {
-        &self.coupling.in_loop
+    pub fn loop_params(&self) -> &WorldLoop {
+        &self.coupling.loop_params
     }
 
     /// Creates a state before the first sample: no contact, empty energy ledger.
@@ -76,18 +76,18 @@ impl EngineRenderer {
             && wrenches.len() == self.bodies
             && bodies.iter().all(BodyNow::is_finite)
             && h > 0.0
-            && h <= self.coupling.in_loop.bridged_gap();
+            && h <= self.coupling.loop_params.bridged_gap();
         if !is_usable {
             state.fail(Fault::Overflow);
-            self.coupling.let_go(state);
+            self.coupling.disable_output(state);
             return;
         }
-        state.book_ports(bodies);
+        state.record_ports(bodies);
         let images = state.meeting.images.iter_mut();
         for ((image, body), offset) in images.zip(bodies).zip(&state.offsets) {
             *image = Image::of(body, offset);
         }
-        state.look(&self.pairs, |book| &mut book.observed);
+        state.look(&self.pairs, |entry| &mut entry.observed);
         state.add_work(&self.pairs, -1.0);
         if !self.coupling.meet(&self.pairs, state, h) {
             return;
@@ -112,7 +112,7 @@ impl EngineRenderer {
 
     /// Ends the period and returns the forces to hold on the devices until the next one.
     pub fn hold<'s>(&self, state: &'s mut EngineState) -> EngineOutput<'s> {
-        let with_bodies = BodyPortBook::created(&state.books.bodies);
+        let with_bodies = BodyPortLedger::created(&state.ledger.bodies);
         self.coupling.hold(&self.pairs, state, with_bodies);
         state.output()
     }

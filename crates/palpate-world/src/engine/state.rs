@@ -5,15 +5,15 @@ use palpate::Fault;
 
 use super::body::BodyNow;
 use super::image::ImageOffset;
-use super::meeting::Meeting;
+use super::integration::Meeting;
 use super::pairs::Pair;
-use crate::books::CreatedAtPorts;
 use crate::commands::Commands;
-use crate::method::coupled_avatar::Avatar;
+use crate::ledger::CreatedAtPorts;
+use crate::method::coupled_proxy::ProxyState;
 use crate::observer::{AxisMotion, AxisObserver, AxisPrior};
 use crate::rigid::Vector3;
 use crate::tracking::Tracking;
-use crate::{ContactBook, Effort, Limited, Mode, ToolState, Vector, WorldFault};
+use crate::{ContactLedger, Effort, Limited, Mode, ToolState, Vector, WorldFault};
 
 /// State of the contacts with an engine's bodies at a sample, created by
 /// [`EngineRenderer::start`](super::EngineRenderer::start).
@@ -39,7 +39,7 @@ pub struct EngineState {
     pub(super) effort: Effort,
     pub(super) tools: Vec<ToolState>,
     pub(super) contacts: Vec<EngineContact>,
-    pub(super) books: EngineBooks,
+    pub(super) ledger: EngineLedger,
     pub(super) at_ports: CreatedAtPorts,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct TrackedDevice {
     /// Device at the beginning of the next command's period.
     pub ahead: [AxisMotion; 3],
     /// Proxy at the beginning of the period.
-    pub avatar: Avatar,
+    pub proxy: ProxyState,
     pub period: Option<Period>,
 }
 
@@ -77,7 +77,7 @@ impl TrackedDevice {
             measured,
             observers,
             ahead: observers.each_ref().map(|observer| observer.motion),
-            avatar: Avatar::none(),
+            proxy: ProxyState::none(),
             period: None,
         }
     }
@@ -122,7 +122,7 @@ pub struct EngineContact {
 /// Energy at the port of a device, over all completed periods `[J]`; positive towards the hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub struct PortBook {
+pub struct PortLedger {
     /// Work of the held force on the measured device motion.
     pub port_work: f64,
     /// Work of the mean contact force on the device.
@@ -139,17 +139,20 @@ pub struct PortBook {
 /// different path from the renderer's body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub struct BodyPortBook {
+pub struct BodyPortLedger {
     /// Work of the tools on the renderer's body. For a copy, periods that the loop has missed are excluded.
     pub work: f64,
     /// Work of the held wrench on the host's body between its known states.
     pub host_work: f64,
 }
 
-impl BodyPortBook {
+impl BodyPortLedger {
     /// Returns the energy generated at the ports of all bodies `[J]`.
-    pub(super) fn created(books: &[Self]) -> f64 {
-        books.iter().map(|book| book.host_work - book.work).sum()
+    pub(super) fn created(ledger: &[Self]) -> f64 {
+        ledger
+            .iter()
+            .map(|entry| entry.host_work - entry.work)
+            .sum()
     }
 }
 
@@ -167,27 +170,28 @@ pub(super) struct Pushed {
 /// Energy ledger of the contacts with an engine's bodies.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub struct EngineBooks {
+pub struct EngineLedger {
     /// Ledger of each contact point, in the order of [`EngineState::contacts`]. `observed` is the change in stored
     /// energy when a sample moved a proxy, or the engine a body, away from the expected position.
-    pub contacts: Vec<ContactBook>,
+    pub contacts: Vec<ContactLedger>,
     /// Ledger of each device.
-    pub devices: Vec<PortBook>,
+    pub devices: Vec<PortLedger>,
     /// Ledger of each body.
-    pub bodies: Vec<BodyPortBook>,
+    pub bodies: Vec<BodyPortLedger>,
 }
 
-impl EngineBooks {
+impl EngineLedger {
     /// Returns the energy that held forces have generated since the start `[J]`: the sum gained by hands, contacts
     /// and the engine's bodies. Work of the engine's constraints and motors on a body is excluded. The value
     /// fluctuates with the samples; a steady rise indicates instability.
     #[must_use]
     pub fn created(&self) -> f64 {
         let contacts = self.contacts.iter();
-        let contacts = contacts.map(|book| book.observed + book.step_error - book.work_on_avatar);
+        let contacts =
+            contacts.map(|entry| entry.observed + entry.step_error - entry.work_on_proxy);
         let devices = self.devices.iter();
-        let devices = devices.map(|book| book.port_work + book.carried);
-        contacts.sum::<f64>() + devices.sum::<f64>() + BodyPortBook::created(&self.bodies)
+        let devices = devices.map(|entry| entry.port_work + entry.carried);
+        contacts.sum::<f64>() + devices.sum::<f64>() + BodyPortLedger::created(&self.bodies)
     }
 }
 
@@ -200,7 +204,7 @@ impl EngineState {
 
     /// Returns the position of each proxy at the end of the period, for display `[m]`.
     #[must_use]
-    pub fn avatars(&self) -> Vec<Vector> {
+    pub fn proxies(&self) -> Vec<Vector> {
         let tools = self.meeting.tools.iter();
         tools.map(|tool| tool.rigid.position.into()).collect()
     }
@@ -211,7 +215,7 @@ impl EngineState {
         &self.contacts
     }
 
-    /// Returns the energy generated at the ports of the devices `[J]`: [`EngineBooks::created`], weighted for each
+    /// Returns the energy generated at the ports of the devices `[J]`: [`EngineLedger::created`], weighted for each
     /// contact by the fraction of its force that reached the device after limiting.
     #[must_use]
     pub fn created_at_ports(&self) -> f64 {
@@ -220,20 +224,20 @@ impl EngineState {
 
     /// Returns the energy ledger.
     #[must_use]
-    pub fn books(&self) -> &EngineBooks {
-        &self.books
+    pub fn ledger(&self) -> &EngineLedger {
+        &self.ledger
     }
 
     /// Updates the ports with the energy generated at the devices, up to this sample, and at the bodies `[J]`.
     pub(super) fn close_ports(&mut self, pairs: &[Pair], with_bodies: f64) {
         let commands = &self.commands;
-        let contacts = self.books.contacts.iter().zip(pairs).map(|(book, pair)| {
+        let contacts = self.ledger.contacts.iter().zip(pairs).map(|(entry, pair)| {
             let tool = pair.toucher.tool();
             let part = tool.map_or(1.0, |tool| commands.part_sent(tool));
-            (book.created() + book.outside, part)
+            (entry.created() + entry.outside, part)
         });
-        let devices = self.books.devices.iter();
-        let ports = devices.map(|book| book.port_work + book.carried).sum();
+        let devices = self.ledger.devices.iter();
+        let ports = devices.map(|entry| entry.port_work + entry.carried).sum();
         let tools = 0..self.devices.len();
         let least = tools
             .map(|tool| commands.part_sent(tool))
@@ -243,16 +247,16 @@ impl EngineState {
 
     /// Records the work of the tools on each body over the engine's step that ended in the states `bodies`, and
     /// begins the next step.
-    pub(super) fn book_ports(&mut self, bodies: &[BodyNow]) {
-        let pushed = self.pushed.iter_mut().zip(&mut self.books.bodies);
-        for ((pushed, book), body) in pushed.zip(bodies) {
+    pub(super) fn record_ports(&mut self, bodies: &[BodyNow]) {
+        let pushed = self.pushed.iter_mut().zip(&mut self.ledger.bodies);
+        for ((pushed, entry), body) in pushed.zip(bodies) {
             let twist = body.twist();
             if let Some(pushed) = pushed {
                 // Kinetic energy gained by the body, which does not depend on the engine's position integrator.
                 let work = pushed.impulse.dot(&(0.5 * (pushed.twist + twist)));
                 if work.is_finite() && pushed.work.is_finite() {
-                    book.host_work += work;
-                    book.work += pushed.work;
+                    entry.host_work += work;
+                    entry.work += pushed.work;
                 }
             }
             *pushed = Some(Pushed {
@@ -268,27 +272,31 @@ impl EngineState {
         for (touch, pair) in self.meeting.touches.iter().zip(pairs) {
             let pushed = self.pushed.get_mut(pair.body).and_then(Option::as_mut);
             if let Some(pushed) = pushed.filter(|_| pair.toucher.tool().is_some()) {
-                pushed.work += times * (touch.work - touch.work_on_avatar);
+                pushed.work += times * (touch.work - touch.work_on_proxy);
             }
         }
     }
 
     /// Evaluates the contacts and records the change in their stored energy.
-    pub(super) fn look(&mut self, pairs: &[Pair], entry: fn(&mut ContactBook) -> &mut f64) {
+    pub(super) fn look(&mut self, pairs: &[Pair], entry: fn(&mut ContactLedger) -> &mut f64) {
         self.meeting.look(pairs);
-        self.book_stored(pairs, entry);
+        self.record_stored(pairs, entry);
     }
 
     /// Records the change in the stored energy of each contact of a tool under the given ledger entry.
-    pub(super) fn book_stored(&mut self, pairs: &[Pair], entry: fn(&mut ContactBook) -> &mut f64) {
+    pub(super) fn record_stored(
+        &mut self,
+        pairs: &[Pair],
+        entry: fn(&mut ContactLedger) -> &mut f64,
+    ) {
         let touches = self.meeting.touches.iter().zip(pairs);
-        for (book, (touch, pair)) in self.books.contacts.iter_mut().zip(touches) {
+        for (contact, (touch, pair)) in self.ledger.contacts.iter_mut().zip(touches) {
             if pair.toucher.tool().is_none() {
                 continue;
             }
             let stored = touch.stored(&pair.law);
-            *entry(book) += stored - book.stored;
-            book.stored = stored;
+            *entry(contact) += stored - contact.stored;
+            contact.stored = stored;
         }
     }
 

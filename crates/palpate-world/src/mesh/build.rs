@@ -39,7 +39,7 @@ pub enum MeshError {
     #[error("the mesh has no triangle with an area; it needs at least one")]
     Empty,
     /// Too many triangles.
-    #[error("the mesh has {0} triangles, and at most {most} are taken; reduce it", most = Mesh::MOST_TRIANGLES)]
+    #[error("the mesh has {0} triangles, and at most {most} are taken; reduce it", most = Mesh::MAX_TRIANGLES)]
     TooMany(usize),
     /// A corner index out of range.
     #[error(
@@ -76,7 +76,7 @@ pub enum MeshError {
     )]
     Winding([usize; 2]),
     /// A vertex with too many triangles for one tick.
-    #[error("{triangles} triangles meet at vertex {vertex} of the mesh, and at most {most} may", most = Mesh::MOST_AROUND)]
+    #[error("{triangles} triangles meet at vertex {vertex} of the mesh, and at most {most} may", most = Mesh::MAX_AROUND)]
     Fan {
         /// Index of the vertex after merging.
         vertex: usize,
@@ -112,9 +112,9 @@ const SAME: f64 = 2.5e-7;
 
 impl Mesh {
     /// Maximum number of triangles of a mesh.
-    pub const MOST_TRIANGLES: usize = 1_000_000;
+    pub const MAX_TRIANGLES: usize = 1_000_000;
     /// Maximum number of triangles that meet at a vertex.
-    pub const MOST_AROUND: usize = 1000;
+    pub const MAX_AROUND: usize = 1000;
 
     /// Creates a mesh from `vertices` `[m]` and triangles, each given by three vertex indices from 0.
     ///
@@ -125,7 +125,7 @@ impl Mesh {
     /// # Errors
     /// Returns the first fault.
     pub fn new(vertices: &[Vector], faces: &[[u32; 3]]) -> Result<Self, MeshError> {
-        if faces.len() > Self::MOST_TRIANGLES {
+        if faces.len() > Self::MAX_TRIANGLES {
             return Err(MeshError::TooMany(faces.len()));
         }
         // Differences and squares of the coordinates must also be finite.

@@ -14,7 +14,7 @@ use crate::rigid::Vector3;
 /// whose side is 19.5 degrees from its axis.
 const STEEP: f64 = 3.0;
 /// Maximum number of faces considered for one sphere: the number of bits of a [`Chosen`].
-const MOST_PUSHES: usize = 64;
+const MAX_PUSHES: usize = 64;
 /// Remaining overlap of a sphere that is lifted out of a curved surface, as a fraction of its depth.
 const LIFTED: f64 = 1e-11;
 
@@ -64,7 +64,7 @@ impl Pushes {
             is_face: false,
         };
         Self {
-            all: vec![nothing; MOST_PUSHES].into(),
+            all: vec![nothing; MAX_PUSHES].into(),
             count: 0,
             gone: 0,
             left_out: 0,
@@ -198,7 +198,7 @@ impl Pushes {
     }
 
     fn left(&self) -> Chosen {
-        let all = if self.count < MOST_PUSHES {
+        let all = if self.count < MAX_PUSHES {
             (1 << self.count) - 1
         } else {
             Chosen::MAX
@@ -268,7 +268,7 @@ fn way_out<'a>(pushes: impl Iterator<Item = &'a Push> + Clone, deepest: &Push) -
     let mut count = 1;
     let mut way = deepest.normal * deepest.depth;
     // Each round lengthens the way, so no active set repeats. Three surfaces determine a point.
-    for _ in 0..MOST_PUSHES {
+    for _ in 0..MAX_PUSHES {
         let short = |push: &Push| push.depth - push.normal.dot(&way);
         let next = pushes
             .clone()

@@ -4,7 +4,7 @@
 //! gradient and curvature are continuous, so a point sliding over the grid feels no force jumps. The spline rounds
 //! the kinks of the distance, at edges or midway between two walls, over about one spacing.
 
-mod kept;
+mod serialisation;
 mod spline;
 
 use std::sync::Arc;
@@ -15,8 +15,8 @@ use super::triangle::nearest;
 use crate::Vector;
 use crate::rigid::{Rotation, Vector3};
 use crate::solid::Nearest;
-pub use kept::GridBytesError;
-use kept::fingerprint;
+pub use serialisation::GridBytesError;
+use serialisation::fingerprint;
 use spline::{through, weights};
 
 /// Distance between the mesh and the border of the grid, in spacings.
@@ -88,7 +88,7 @@ pub enum InvalidGrid {
     /// The grid would need too much memory.
     #[error(
         "a spacing of {spacing} m makes {nodes:.3e} nodes, and at most {most} are taken; the least spacing for this mesh \
-         is about {least:.3e} m", most = DistanceGrid::MOST_NODES
+         is about {least:.3e} m", most = DistanceGrid::MAX_NODES
     )]
     Fine {
         /// Spacing `[m]`.
@@ -115,7 +115,7 @@ impl std::fmt::Debug for DistanceGrid {
 
 impl DistanceGrid {
     /// Maximum number of nodes of a grid: 32 MiB.
-    pub const MOST_NODES: usize = 8 << 20;
+    pub const MAX_NODES: usize = 8 << 20;
 
     /// Computes the distances from a closed mesh at nodes with a `spacing` `[m]`. Takes about a microsecond per node.
     ///
@@ -272,8 +272,8 @@ fn laid_out(mesh: &Mesh, spacing: f64) -> Result<(Vector3, [usize; 3]), InvalidG
     }
     let along = size.map(|length| (length / spacing).ceil() + 2.0 * MARGIN + 1.0);
     let nodes = along.product();
-    if nodes > DistanceGrid::MOST_NODES as f64 {
-        let least = spacing * (nodes / DistanceGrid::MOST_NODES as f64).cbrt();
+    if nodes > DistanceGrid::MAX_NODES as f64 {
+        let least = spacing * (nodes / DistanceGrid::MAX_NODES as f64).cbrt();
         return Err(InvalidGrid::Fine {
             spacing,
             nodes,

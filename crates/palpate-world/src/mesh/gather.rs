@@ -8,7 +8,7 @@ use super::triangle;
 use crate::rigid::Vector3;
 
 /// Maximum number of triangles considered in a sub-step.
-pub(super) const MOST_TRIANGLES: usize = 256;
+pub(super) const MAX_TRIANGLES: usize = 256;
 
 /// A triangle, and its distance from the cache centre `[m]`.
 #[derive(Clone, Copy, Debug)]
@@ -74,11 +74,11 @@ impl About<'_> {
 const WAY: f64 = 2e-4;
 const SHARE_OF_RADIUS: f64 = 0.02;
 /// Maximum factor on the default validity radius, where triangles are sparse.
-const MOST_TIMES: f64 = 2.0;
+const MAX_TIMES: f64 = 2.0;
 /// Minimum fraction of the default validity radius, where triangles are dense.
-const LEAST_SHARE: f64 = 0.2;
+const MIN_SHARE: f64 = 0.2;
 /// Maximum number of triangles in the search for the nearest ones.
-const MOST_SEEN: usize = 1024;
+const MAX_SEEN: usize = 1024;
 
 impl Gathered {
     /// Creates an empty cache for a mesh with this number of triangles.
@@ -88,14 +88,14 @@ impl Gathered {
             distance: f64::INFINITY,
         };
         Self {
-            near: vec![nothing; MOST_SEEN].into(),
+            near: vec![nothing; MAX_SEEN].into(),
             count: 0,
             least: f64::INFINITY,
             is_hollow: false,
             numbers: vec![0; triangles].into(),
             place: Vector3::zeros(),
             way: -1.0,
-            times: MOST_TIMES,
+            times: MAX_TIMES,
             by_minimum: Spared::none(),
             by_face: Spared::none(),
             left_out: 0,
@@ -148,7 +148,7 @@ impl Gathered {
     #[inline(never)]
     fn gather(&mut self, mesh: &Mesh, centre: &Vector3, radius: f64) {
         let way = WAY + SHARE_OF_RADIUS * radius;
-        let least_way = LEAST_SHARE * way;
+        let least_way = MIN_SHARE * way;
         let mut most = self.times * way;
         let mut seen = self.see(mesh, centre, radius + most, radius + least_way);
         if !seen.had_room && self.times > 1.0 {
@@ -158,20 +158,20 @@ impl Gathered {
         let count = seen.count;
         self.times = if !seen.had_room {
             1.0
-        } else if count > MOST_TRIANGLES {
+        } else if count > MAX_TRIANGLES {
             (0.5 * self.times).max(1.0)
-        } else if 4 * count < MOST_TRIANGLES {
-            (2.0 * self.times).min(MOST_TIMES)
+        } else if 4 * count < MAX_TRIANGLES {
+            (2.0 * self.times).min(MAX_TIMES)
         } else {
             self.times
         };
         self.place = *centre;
         self.way = most;
-        self.count = count.min(MOST_TRIANGLES);
+        self.count = count.min(MAX_TRIANGLES);
         self.left_out = seen.too_many;
-        if count > MOST_TRIANGLES {
+        if count > MAX_TRIANGLES {
             let found = &mut self.near[..count];
-            let (_, first_out, out) = found.select_nth_unstable_by(MOST_TRIANGLES, by_distance);
+            let (_, first_out, out) = found.select_nth_unstable_by(MAX_TRIANGLES, by_distance);
             // The cache contains all triangles nearer than the first one that does not fit.
             self.way = (first_out.distance - radius).clamp(least_way, most);
             let within = radius + self.way;
@@ -210,11 +210,11 @@ impl Gathered {
             let distance = (place - nearest).norm();
             if distance <= reach && seen.count == near.len() {
                 // From here on the search accepts only nearer triangles.
-                let (_, furthest, out) = near.select_nth_unstable_by(MOST_TRIANGLES, by_distance);
+                let (_, furthest, out) = near.select_nth_unstable_by(MAX_TRIANGLES, by_distance);
                 reach = furthest.distance;
                 let is_counted = |it: &&Near| it.distance < least;
                 seen.too_many += size(out.iter().filter(is_counted).count());
-                (seen.count, seen.had_room) = (MOST_TRIANGLES + 1, false);
+                (seen.count, seen.had_room) = (MAX_TRIANGLES + 1, false);
             }
             if distance <= reach {
                 near[seen.count] = Near {
@@ -433,12 +433,12 @@ mod tests {
         let centre = Vector3::new(1e-5, 2e-5, 4.6e-4);
         let mut gathered = Gathered::none(faces.len());
         let way = WAY + SHARE_OF_RADIUS * radius;
-        let seen = gathered.see(&mesh, &centre, radius + MOST_TIMES * way, 0.0);
+        let seen = gathered.see(&mesh, &centre, radius + MAX_TIMES * way, 0.0);
         assert!(
             !seen.had_room,
             "the mesh has too few triangles for this test"
         );
-        let moved = centre + Vector3::new(0.6, 0.0, -0.8) * (0.9 * LEAST_SHARE * way);
+        let moved = centre + Vector3::new(0.6, 0.0, -0.8) * (0.9 * MIN_SHARE * way);
         let mut touched = 0;
         for place in [centre, moved] {
             let about = gathered.about(&mesh, &place, radius);

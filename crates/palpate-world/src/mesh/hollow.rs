@@ -9,7 +9,7 @@
 
 use super::build::Mesh;
 use super::cluster::Push;
-use super::gather::{About, Gathered, MOST_TRIANGLES};
+use super::gather::{About, Gathered, MAX_TRIANGLES};
 use super::triangle::{Region, inside, nearest, outside};
 use crate::rigid::Vector3;
 
@@ -32,7 +32,7 @@ pub(super) struct Around<'a> {
 
 /// Set of triangles near a sphere, as bits.
 #[derive(Clone, Copy, Default)]
-struct Numbers([u64; MOST_TRIANGLES / 64]);
+struct Numbers([u64; MAX_TRIANGLES / 64]);
 
 impl Numbers {
     fn has(&self, number: usize) -> bool {

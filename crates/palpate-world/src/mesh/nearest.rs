@@ -12,9 +12,9 @@ const FLAT: f64 = 1e-6;
 impl Mesh {
     /// Maximum number of triangles for a convexity test, which compares every corner with every triangle. A closed
     /// surface without holes has twice as many triangles as corners, minus four.
-    pub(crate) const MOST_OF_CONVEX: usize = 2 * Self::MOST_CONVEX_CORNERS - 4;
+    pub(crate) const MAX_OF_CONVEX: usize = 2 * Self::MAX_CONVEX_CORNERS - 4;
 
-    /// Returns whether the mesh is closed, has at most [`MOST_OF_CONVEX`](Self::MOST_OF_CONVEX) triangles, and has no
+    /// Returns whether the mesh is closed, has at most [`MAX_OF_CONVEX`](Self::MAX_OF_CONVEX) triangles, and has no
     /// corner beyond the plane of a face.
     pub(crate) fn is_convex(&self) -> bool {
         let most = FLAT * self.reach();
@@ -24,7 +24,7 @@ impl Mesh {
             places.all(|place| normal.dot(&(place - corner)) <= most)
         };
         self.is_closed()
-            && self.faces.len() <= Self::MOST_OF_CONVEX
+            && self.faces.len() <= Self::MAX_OF_CONVEX
             && (0..).zip(&self.topology.normals).all(no_corner_beyond)
     }
 

@@ -9,7 +9,7 @@ use super::tree::size;
 use crate::rigid::Vector3;
 
 /// Maximum number of triangles at an edge for pairing.
-const MOST_AT_EDGE: usize = 64;
+const MAX_AT_EDGE: usize = 64;
 /// Angle below which two faces at an edge coincide `[rad]`.
 const SAME_ANGLE: f64 = 1e-6;
 /// Ratio of volume to area^(3/2) up to which a closed part is a sheet.
@@ -125,7 +125,7 @@ impl Triangles {
     /// Returns the pairs of triangles at an edge that enclose a solid.
     fn solids_at(&self, sides: &[Side]) -> Result<Vec<(Side, Side)>, MeshError> {
         let (ups, downs): (Vec<Side>, Vec<Side>) = sides.iter().partition(|side| side.is_up);
-        if ups.len() != downs.len() || sides.len() > MOST_AT_EDGE {
+        if ups.len() != downs.len() || sides.len() > MAX_AT_EDGE {
             let number = |k: usize| self.given[sides[k].triangle as usize];
             return Err(MeshError::SharedEdge([number(0), number(1), number(2)]));
         }

@@ -3,14 +3,14 @@
 use super::build::Mesh;
 use crate::Vector;
 use crate::convex::hull;
-use crate::pairs::MOST_POINTS;
+use crate::pairs::MAX_POINTS;
 use crate::rigid::{Rotation, Vector3};
 
 /// Spacing of the candidate positions on a triangle, relative to the mean distance between points.
 const CANDIDATES: f64 = 0.25;
 /// Approximate maximum number of candidates along an edge, and in total.
-const MOST_ALONG: f64 = 64.0;
-const MOST_CANDIDATES: f64 = 2e5;
+const MAX_ALONG: f64 = 64.0;
+const MAX_CANDIDATES: f64 = 2e5;
 /// Maximum relative excess of the reported widest gap.
 const SURPLUS: f64 = 1.01;
 /// Distance from a triangle's plane, relative to the mesh's size, below which a point is in the plane.
@@ -29,12 +29,12 @@ pub struct PointShell {
 #[non_exhaustive]
 pub enum InvalidShell {
     /// Too few or too many points.
-    #[error("a shell of {0} points: it has to have 4 to {most}", most = PointShell::MOST_POINTS)]
+    #[error("a shell of {0} points: it has to have 4 to {most}", most = PointShell::MAX_POINTS)]
     Points(usize),
     /// More points in a plane than may touch at a time.
     #[error(
         "of {points} points of the shell {in_plane} lie in one plane, and at most {most} may touch at a time: ask for fewer \
-         points", most = PointShell::MOST_ALWAYS
+         points", most = PointShell::MAX_ALWAYS
     )]
     Flat {
         /// Number of points.
@@ -56,21 +56,21 @@ pub enum InvalidShell {
 
 impl PointShell {
     /// Maximum number of points of a shell.
-    pub const MOST_POINTS: usize = 2048;
+    pub const MAX_POINTS: usize = 2048;
 
     /// Number of points above which a shell is large. A tick evaluates all points of other shells in every sub-step.
     /// For large shells it evaluates only points that touch or may touch within a period, at most this number.
-    pub const MOST_ALWAYS: usize = MOST_POINTS;
+    pub const MAX_ALWAYS: usize = MAX_POINTS;
 
     /// Distributes `points` points (at least 4) over a mesh. They include all corners of its convex hull, unless the
     /// hull has more corners than `points`: then half of the points are vertices. The remaining points fill the
     /// widest gaps.
     ///
     /// # Errors
-    /// The number of points is out of range, or more of them lie in a plane than [may touch](Self::MOST_ALWAYS) at a
+    /// The number of points is out of range, or more of them lie in a plane than [may touch](Self::MAX_ALWAYS) at a
     /// time.
     pub fn over(mesh: &Mesh, points: usize) -> Result<Self, InvalidShell> {
-        if !(4..=Self::MOST_POINTS).contains(&points) {
+        if !(4..=Self::MAX_POINTS).contains(&points) {
             return Err(InvalidShell::Points(points));
         }
         let size = mesh.reach();
@@ -87,7 +87,7 @@ impl PointShell {
         spread(&mut places, &all, points, &middle);
         let widest = bound_of_gaps(mesh, &places);
         let shared_by = most_in_a_plane(mesh, &places, IN_PLANE * size);
-        if shared_by > Self::MOST_ALWAYS {
+        if shared_by > Self::MAX_ALWAYS {
             return Err(InvalidShell::Flat {
                 points: places.len(),
                 in_plane: shared_by,
@@ -228,17 +228,17 @@ fn candidates(mesh: &Mesh, points: usize) -> Vec<Vector3> {
     let triangles = || (0..super::tree::size(mesh.faces.len())).map(|number| mesh.corners(number));
     let area_of = |[a, b, c]: [&Vector3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
     let area: f64 = triangles().map(area_of).sum();
-    let finest = (2.0 * area / MOST_CANDIDATES).sqrt();
+    let finest = (2.0 * area / MAX_CANDIDATES).sqrt();
     let apart = (CANDIDATES * (area / points as f64).sqrt()).max(finest);
     let mut all = mesh.places().to_vec();
     for [a, b, c] in triangles() {
         let longest = [b - a, c - b, a - c].map(|side| side.norm());
         let longest = longest.into_iter().fold(0.0, f64::max);
-        let along = (longest / apart).ceil().min(MOST_ALONG);
+        let along = (longest / apart).ceil().min(MAX_ALONG);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "it is at most MOST_ALONG"
+            reason = "it is at most MAX_ALONG"
         )]
         let along = along as u32;
         for i in 0..=along {

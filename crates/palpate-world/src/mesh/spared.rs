@@ -1,6 +1,6 @@
 //! Schedule of the triangles that a moving sphere must re-evaluate.
 
-use super::gather::MOST_TRIANGLES;
+use super::gather::MAX_TRIANGLES;
 use crate::rigid::Vector3;
 
 /// Re-evaluation schedule of the triangles near a sphere. A triangle is skipped until the centre has travelled the
@@ -40,10 +40,10 @@ impl Spared {
         Self {
             place: Vector3::zeros(),
             gone: 0.0,
-            until: vec![0.0; MOST_TRIANGLES].into(),
+            until: vec![0.0; MAX_TRIANGLES].into(),
             slack: 0.0,
             listed: STRIDES.map(|_| Listed {
-                numbers: vec![0; MOST_TRIANGLES].into(),
+                numbers: vec![0; MAX_TRIANGLES].into(),
                 count: 0,
                 soon: 0.0,
             }),

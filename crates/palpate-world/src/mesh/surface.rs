@@ -22,9 +22,9 @@ pub(crate) const POINTS_PER_MESH: usize = 4;
 /// `[m]`.
 const LEAP: f64 = 0.02;
 /// Maximum number of triangles that the contact point behind the surface crosses between two evaluations.
-const MOST_WALKED: usize = 32;
+const MAX_WALKED: usize = 32;
 /// Maximum number of triangles tested for the first crossing of a path.
-const MOST_CROSSED: u32 = 4096;
+const MAX_CROSSED: u32 = 4096;
 /// Angles and ratios below this value are treated as zero.
 const SLACK: f64 = 1e-9;
 
@@ -242,7 +242,7 @@ impl Surface {
         } else {
             let middle = (from + to) * 0.5;
             let reach = 0.5 * way * (1.0 + SLACK) + f64::MIN_POSITIVE;
-            let mut left = MOST_CROSSED;
+            let mut left = MAX_CROSSED;
             let is_all = mesh.tree.within(&middle, reach, |triangle| {
                 look_at(triangle);
                 left -= 1;
@@ -473,7 +473,7 @@ fn downhill(mesh: &Mesh, from: u32, centre: &Vector3) -> (u32, Vector3, Region) 
         ((centre - place).norm_squared(), number, place, region)
     };
     let mut best = look_at(from);
-    for _ in 0..MOST_WALKED {
+    for _ in 0..MAX_WALKED {
         let here = best.1;
         let corners = mesh.faces[here as usize];
         for (k, &corner) in corners.iter().enumerate() {

@@ -100,7 +100,7 @@ impl Topology {
         }
         for vertex in 0..vertices.len() {
             let triangles = begins[vertex + 1] as usize;
-            if triangles > Mesh::MOST_AROUND {
+            if triangles > Mesh::MAX_AROUND {
                 return Err(MeshError::Fan { vertex, triangles });
             }
             begins[vertex + 1] += begins[vertex];

@@ -5,7 +5,7 @@ use palpate::Range;
 use super::one_per_tool;
 use crate::fault::out_of_range;
 use crate::interval::advance;
-use crate::part::Drive;
+use crate::moving_body::Drive;
 use crate::rigid::{Rotation, Vector3};
 use crate::state::{Progress, quaternion, show_contacts};
 use crate::turning::TurningDrive;
@@ -81,7 +81,7 @@ impl Basic {
         }
         state.now.begin();
         state.now.look(&renderer.points);
-        state.books.observe(&state.now, &renderer.points);
+        state.ledger.observe(&state.now, &renderer.points);
     }
 
     pub fn conclude(
@@ -91,9 +91,9 @@ impl Basic {
         elapsed: f64,
     ) -> Effort {
         let points = &renderer.points;
-        for (point, (touch, book)) in points
+        for (point, (touch, entry)) in points
             .iter()
-            .zip(state.now.touches.iter().zip(&mut state.books.contacts))
+            .zip(state.now.touches.iter().zip(&mut state.ledger.contacts))
         {
             if let Some(tool) = point.tool(renderer.tools)
                 && let Some(sign) = point.sign_on(tool)
@@ -102,24 +102,24 @@ impl Basic {
                 let way = Vector3::from(positions[tool]) - part.rigid.position;
                 let mut work = touch.force.dot(&way) * sign;
                 let carried = renderer.axes[tool].across(&touch.force).dot(&way) * sign;
-                state.books.devices[tool].carried += carried;
+                state.ledger.devices[tool].carried += carried;
                 if part.has_torque {
                     let by = step(&state.tracking.seen_turn[tool], &part.rigid.orientation);
                     let arm = touch.place - part.rigid.position;
                     let by_torque = arm.cross(&touch.force).dot(&by) * sign;
                     work += by_torque;
                     if part.led {
-                        state.books.devices[tool].carried += by_torque;
+                        state.ledger.devices[tool].carried += by_torque;
                     }
                 }
-                book.held += work;
-                state.books.devices[tool].held += work;
+                entry.held += work;
+                state.ledger.devices[tool].held += work;
             }
         }
         state.now.begin();
-        let sub_steps = &renderer.in_loop.sub_steps;
+        let sub_steps = &renderer.loop_params.sub_steps;
         let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
-        state.books.pass(&state.now, points, renderer.tools);
+        state.ledger.pass(&state.now, points, renderer.tools);
 
         // The tools are at the current device positions; the energy that this motion adds to the contacts is work of
         // the tools.
@@ -150,21 +150,21 @@ impl Basic {
                     touch.slid += (way - touch.normal * touch.normal.dot(&way)) * sign;
                 }
             }
-            let book = &mut state.books.devices[tool];
-            book.port_work += held.dot(&way) + torque.dot(&by);
-            book.unforeseen = book.port_work + book.carried - book.held;
+            let entry = &mut state.ledger.devices[tool];
+            entry.port_work += held.dot(&way) + torque.dot(&by);
+            entry.unforeseen = entry.port_work + entry.carried - entry.held;
         }
         state.now.begin();
         state.now.look(points);
-        for (number, (book, point)) in state.books.contacts.iter_mut().zip(points).enumerate() {
+        for (number, (entry, point)) in state.ledger.contacts.iter_mut().zip(points).enumerate() {
             if point.tool(renderer.tools).is_some() {
                 let stored = state.now.stored(number, point);
                 let dissipated = state.now.touches[number].past.dissipated;
-                let work = book.stored - stored - dissipated;
-                book.work += work;
-                book.work_on_avatar += work;
-                book.dissipated += dissipated;
-                book.stored = stored;
+                let work = entry.stored - stored - dissipated;
+                entry.work += work;
+                entry.work_on_proxy += work;
+                entry.dissipated += dissipated;
+                entry.stored = stored;
             }
         }
         effort
@@ -203,11 +203,11 @@ impl Basic {
     pub fn publish(state: &mut Progress) {
         for (tool, part) in state.tools.iter_mut().zip(&state.now.parts) {
             tool.position = part.rigid.position.into();
-            tool.avatar_position = tool.position;
+            tool.proxy_position = tool.position;
             tool.velocity = part.drive.apparent_velocity.into();
-            tool.avatar_velocity = tool.velocity;
+            tool.proxy_velocity = tool.velocity;
             tool.orientation = quaternion(&part.rigid.orientation);
-            tool.avatar_orientation = tool.orientation;
+            tool.proxy_orientation = tool.orientation;
             tool.angular_velocity = part.turning_drive.apparent_turning.into();
         }
     }

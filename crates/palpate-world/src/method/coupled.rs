@@ -1,8 +1,8 @@
 //! Coupled rendering: predicts devices and world together, and holds the mean contact force.
 
-use super::coupled_avatar::Avatar;
-use super::coupled_books::Moved;
+use super::coupled_ledger::Moved;
 use super::coupled_motions::Motions;
+use super::coupled_proxy::ProxyState;
 use super::coupled_turning::Turning;
 use crate::axes::Axes;
 use crate::interval::advance;
@@ -45,7 +45,7 @@ pub(crate) struct TrackedDevice {
     /// Position at the last sample `[m]`.
     measured: Vector3,
     observers: [AxisObserver; 3],
-    avatar: Avatar,
+    proxy: ProxyState,
     /// Rotational state and model values of a tool that turns.
     turning: Option<(Turning, TurningPrior)>,
     /// Predicted device (scratch buffer).
@@ -65,7 +65,7 @@ impl TrackedDevice {
         Self {
             measured: Vector3::zeros(),
             observers,
-            avatar: Avatar::none(),
+            proxy: ProxyState::none(),
             turning: turning.map(|prior| (Turning::new(prior, measured), *prior)),
             ahead: Motions::seen_by(&observers, axes),
             touched: false,
@@ -78,10 +78,16 @@ impl TrackedDevice {
 }
 
 /// Places a tool's proxy in a world, relative to its device.
-fn place(moving: &mut Moving, tool: usize, measured: &Vector3, device: &Motions, avatar: &Avatar) {
+fn place(
+    moving: &mut Moving,
+    tool: usize,
+    measured: &Vector3,
+    device: &Motions,
+    proxy: &ProxyState,
+) {
     let part = &mut moving.parts[tool];
-    part.rigid.position = measured + device.of(|axis| axis.offset) + avatar.offset;
-    part.rigid.velocity = device.of(|axis| axis.velocity) + avatar.velocity_offset;
+    part.rigid.position = measured + device.of(|axis| axis.offset) + proxy.offset;
+    part.rigid.velocity = device.of(|axis| axis.velocity) + proxy.velocity_offset;
     part.mobility = Mobility {
         angular: part.mobility.angular,
         is_round: part.mobility.is_round,
@@ -91,10 +97,10 @@ fn place(moving: &mut Moving, tool: usize, measured: &Vector3, device: &Motions,
 }
 
 /// Returns the state of a world's proxy relative to its device.
-fn against(avatar: &Rigid, measured: &Vector3, device: &Motions) -> Avatar {
-    Avatar {
-        offset: avatar.position - measured - device.of(|axis| axis.offset),
-        velocity_offset: avatar.velocity - device.of(|axis| axis.velocity),
+fn against(proxy: &Rigid, measured: &Vector3, device: &Motions) -> ProxyState {
+    ProxyState {
+        offset: proxy.position - measured - device.of(|axis| axis.offset),
+        velocity_offset: proxy.velocity - device.of(|axis| axis.velocity),
     }
 }
 
@@ -136,7 +142,7 @@ impl Coupled {
         memory: &mut CoupledMemory,
         positions: &[Vector],
     ) {
-        memory.periods = [renderer.in_loop.period; 3];
+        memory.periods = [renderer.loop_params.period; 3];
         let devices = memory.devices.iter_mut().zip(&self.priors).zip(positions);
         for (tool, ((device, priors), position)) in devices.enumerate() {
             let turned = state.tracking.seen_turn[tool];
@@ -149,14 +155,14 @@ impl Coupled {
                     turned,
                 )
             };
-            let (seen, avatar) = (device.seen(), device.avatar);
-            place(&mut state.now, tool, &device.measured, &seen, &avatar);
+            let (seen, proxy) = (device.seen(), device.proxy);
+            place(&mut state.now, tool, &device.measured, &seen, &proxy);
             if let Some((turning, prior)) = &device.turning {
                 turning.place(&mut state.now.parts[tool], prior);
             }
         }
         state.now.look(&renderer.points);
-        state.books.observe(&state.now, &renderer.points);
+        state.ledger.observe(&state.now, &renderer.points);
     }
 
     pub fn conclude(
@@ -194,7 +200,7 @@ impl Coupled {
                 tool,
                 &device.measured,
                 &device.ahead,
-                &device.avatar,
+                &device.proxy,
             );
             if let Some((turning, prior)) = &mut device.turning {
                 let acted = state.torque_commands.passed(tool);
@@ -206,11 +212,11 @@ impl Coupled {
         exchange_gathered(&mut state.now, &mut state.ahead);
         state.now.look(points);
         self.carry(&mut state.now, &memory.devices, elapsed);
-        state.books.observe(&state.now, points);
+        state.ledger.observe(&state.now, points);
         state.now.begin();
-        let sub_steps = &renderer.in_loop.sub_steps;
+        let sub_steps = &renderer.loop_params.sub_steps;
         let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
-        state.books.pass(&state.now, points, tools);
+        state.ledger.pass(&state.now, points, tools);
         for (tool, device) in memory.devices.iter_mut().enumerate() {
             let acted = state.commands.passed(tool);
             let Impulse {
@@ -225,10 +231,10 @@ impl Coupled {
             let end = start.under(&acted, elapsed);
             let part = &state.now.parts[tool];
             let axes = self.axes[tool];
-            let mut avatar = against(&part.rigid, &device.measured, &end);
+            let mut proxy = against(&part.rigid, &device.measured, &end);
             // Along constrained axes the two differ only by rounding.
-            avatar.offset = axes.along(&avatar.offset);
-            avatar.velocity_offset = axes.along(&avatar.velocity_offset);
+            proxy.offset = axes.along(&proxy.offset);
+            proxy.velocity_offset = axes.along(&proxy.velocity_offset);
 
             let way = end.of(|axis| axis.offset) - start.of(|axis| axis.offset);
             let mean = impulse / elapsed;
@@ -246,53 +252,53 @@ impl Coupled {
             // Work that rotated the proxy: by contacts and drive, or by the hand against the contacts.
             let mut to_turn = turned
                 .as_ref()
-                .map_or(0.0, |(work, ..)| work.by_avatar - part.turning_error);
-            let book = &mut state.books.devices[tool];
-            book.carried += axes.across(&mean).dot(&way);
+                .map_or(0.0, |(work, ..)| work.by_proxy - part.turning_error);
+            let entry = &mut state.ledger.devices[tool];
+            entry.carried += axes.across(&mean).dot(&way);
             for (point, (touch, contact)) in points
                 .iter()
-                .zip(state.now.touches.iter().zip(&mut state.books.contacts))
+                .zip(state.now.touches.iter().zip(&mut state.ledger.contacts))
             {
                 if let Some(sign) = point.sign_on(tool) {
                     let past = &touch.past;
                     let impulse = past.impulse.dot(&way) * sign;
                     let held = if part.led {
                         // The hand rotates the tool against the contact force itself, not against its mean.
-                        book.carried += past.work_on_led_turn;
+                        entry.carried += past.work_on_led_turn;
                         to_turn += past.work_on_led_turn;
                         impulse / elapsed + past.work_on_led_turn
                     } else {
                         (impulse + past.angular_impulse.dot(&path)) / elapsed
                     };
                     contact.held += held;
-                    book.held += held;
+                    entry.held += held;
                 }
             }
             let moved = Vector3::from(positions[tool]) - device.measured;
-            book.port_work += acted.sent.dot(&moved);
+            entry.port_work += acted.sent.dot(&moved);
             if let Some((work, acted, by)) = &turned {
-                book.port_work += acted.sent.dot(by);
-                book.offset += part.turning_error - work.by_hand;
-                book.velocity_offset += work.gained_more;
+                entry.port_work += acted.sent.dot(by);
+                entry.offset += part.turning_error - work.by_hand;
+                entry.velocity_offset += work.gained_more;
                 if !part.led {
-                    book.unpaid += (mean_torque - acted.intended).dot(&work.path);
+                    entry.unpaid += (mean_torque - acted.intended).dot(&work.path);
                 }
             }
-            book.unforeseen = book.port_work + book.carried - book.held;
+            entry.unforeseen = entry.port_work + entry.carried - entry.held;
             let motion = Moved {
                 device: [&start, &end],
-                avatar: [&device.avatar, &avatar],
+                proxy: [&device.proxy, &proxy],
                 measured: &device.measured,
             };
             let gained = match &self.linkages[tool] {
                 None => motion.gained(part.driven),
                 Some(linkage) => motion.gained_by(linkage, work - to_turn),
             };
-            book.offset += gained.driven - (gained.device - acted.intended.dot(&way));
-            book.velocity_offset += gained.more;
-            book.unpaid += axes.along(&(mean - acted.intended)).dot(&way);
+            entry.offset += gained.driven - (gained.device - acted.intended.dot(&way));
+            entry.velocity_offset += gained.more;
+            entry.unpaid += axes.along(&(mean - acted.intended)).dot(&way);
 
-            device.avatar = avatar;
+            device.proxy = proxy;
             device.measured = Vector3::from(positions[tool]);
             device.touched = touched;
             // A residual impulse may still be in the actuation delay.
@@ -301,19 +307,19 @@ impl Coupled {
             let is_free = !touched && !is_expected;
             let external = start.of(|axis| axis.external);
             let back = if is_free {
-                self.walk_back(&mut device.avatar, elapsed)
+                self.walk_back(&mut device.proxy, elapsed)
             } else {
-                self.walk_back_in_contact(&mut device.avatar, elapsed)
+                self.walk_back_in_contact(&mut device.proxy, elapsed)
             };
-            let book = &mut state.books.devices[tool];
-            book.walked_back += start.weighted(&external, &back);
+            let entry = &mut state.ledger.devices[tool];
+            entry.walked_back += start.weighted(&external, &back);
             if is_free && let Some((turning, _)) = &mut device.turning {
                 let kept = 1.0 - (elapsed / self.velocity_return).min(1.0);
                 let torque = turning.now().external / turning.now().mobility;
                 let back = turning.walk_back(self.turn_return * elapsed, kept);
-                book.walked_back += torque.dot(&back);
+                entry.walked_back += torque.dot(&back);
             }
-            limited.offset |= self.limit_offset(&mut device.avatar);
+            limited.offset |= self.limit_offset(&mut device.proxy);
             if let Some((turning, _)) = &mut device.turning {
                 limited.offset |= turning.limit_offset(self.turn_limit);
             }
@@ -341,7 +347,7 @@ impl Coupled {
                 tool,
                 &device.measured,
                 &device.ahead,
-                &device.avatar,
+                &device.proxy,
             );
             if let Some((turning, prior)) = &mut device.turning {
                 turning.ahead = *turning.now();
@@ -350,7 +356,7 @@ impl Coupled {
         }
         state.ahead.look(points);
         show_contacts(&mut state.contacts, &state.ahead);
-        let sub_steps = &renderer.in_loop.sub_steps;
+        let sub_steps = &renderer.loop_params.sub_steps;
         for piece in 0..pieces {
             let duration = state.commands.duration(piece);
             self.carry(&mut state.ahead, &memory.devices, duration);
@@ -375,7 +381,7 @@ impl Coupled {
                 state.ahead.parts[tool].drive = device.ahead.drive();
                 if let Some((turning, prior)) = &mut device.turning {
                     let coming = state.torque_commands.coming(tool, piece);
-                    turning.go_on(prior, &coming, duration);
+                    turning.resume(prior, &coming, duration);
                     turning.drive(&mut state.ahead.parts[tool]);
                 }
             }
@@ -397,10 +403,10 @@ impl Coupled {
             {
                 let mut mean = Vector3::zeros();
                 if touched {
-                    mean = (angular + turning.owed(prior, &state.ahead, tool)) / period;
+                    mean = (angular + turning.residual(prior, &state.ahead, tool)) / period;
                 }
                 let torque = state.torque_commands.command(tool, &mean, period);
-                state.intended_torques[tool] = if touched || torque.norm() > LEAST_TORQUE {
+                state.intended_torques[tool] = if touched || torque.norm() > MIN_TORQUE {
                     torque
                 } else {
                     Vector3::zeros()
@@ -409,7 +415,7 @@ impl Coupled {
             if !touched {
                 // Cancel the remaining force of the actuator lag, if it can be felt.
                 let force = state.commands.command(tool, &Vector3::zeros(), period);
-                *intended = if force.norm() > LEAST_FORCE {
+                *intended = if force.norm() > MIN_FORCE {
                     force
                 } else {
                     Vector3::zeros()
@@ -418,8 +424,8 @@ impl Coupled {
             }
             // Impulse correction at the start of the interval that this force governs.
             let start = &state.ahead.parts[tool].drive;
-            let owed = self.owed(tool, device, [start.position, start.velocity], period);
-            let mean = impulse / period + device.ahead.axes.out(&owed);
+            let residual = self.residual(tool, device, [start.position, start.velocity], period);
+            let mean = impulse / period + device.ahead.axes.out(&residual);
             *intended = state.commands.command(tool, &mean, period);
         }
         effort
@@ -444,7 +450,7 @@ impl Coupled {
     /// Returns the force along a device's axes that brings its velocity to that of its proxy within a `period` `[s]`.
     /// The proxy is at `position` with `velocity`. For a linkage the momenta are made equal, because the proxy is at
     /// a different position.
-    fn owed(
+    fn residual(
         &self,
         tool: usize,
         device: &TrackedDevice,
@@ -455,16 +461,16 @@ impl Coupled {
         let (theta, own) = (ahead.theta(), ahead.of(|axis| axis.velocity));
         if let Some(linkage) = &self.linkages[tool] {
             let place = device.measured + ahead.of(|axis| axis.offset);
-            let [avatar, own] = [[&position, &velocity], [&place, &own]]
+            let [proxy, own] = [[&position, &velocity], [&place, &own]]
                 .map(|motion| linkage.momentum(&theta, motion));
-            return (avatar - own) / period;
+            return (proxy - own) / period;
         }
         ahead
             .axes
             .own(&(velocity - own))
-            .zip_map(&theta, |owed, mobility| {
+            .zip_map(&theta, |residual, mobility| {
                 if mobility > 0.0 {
-                    owed / (mobility * period)
+                    residual / (mobility * period)
                 } else {
                     0.0
                 }
@@ -473,10 +479,10 @@ impl Coupled {
 }
 
 /// Force below which the command of an untouched tool is set to zero `[N]`.
-pub(crate) const LEAST_FORCE: f64 = 1e-6;
+pub(crate) const MIN_FORCE: f64 = 1e-6;
 
 /// Torque below which the command of an untouched tool is set to zero `[N m]`.
-const LEAST_TORQUE: f64 = 1e-8;
+const MIN_TORQUE: f64 = 1e-8;
 
 /// Exchanges the triangles that two motions have gathered around the spheres. Both passes of a tick visit the same
 /// regions of the meshes, so the motion that begins needs the triangles that the other gathered last.
@@ -523,23 +529,23 @@ impl CoupledMemory {
             let seen = device.seen();
             let position = device.measured + seen.of(|axis| axis.offset);
             let velocity = seen.of(|axis| axis.velocity);
-            let Avatar {
+            let ProxyState {
                 offset,
                 velocity_offset,
-            } = device.avatar;
+            } = device.proxy;
             tool.position = position.into();
             tool.velocity = velocity.into();
             tool.offset = offset.into();
             tool.velocity_offset = velocity_offset.into();
-            tool.avatar_position = (position + offset).into();
-            tool.avatar_velocity = (velocity + velocity_offset).into();
+            tool.proxy_position = (position + offset).into();
+            tool.proxy_velocity = (velocity + velocity_offset).into();
             tool.mass = Some(seen.own(|axis| 1.0 / axis.mobility).into());
             if let Some((turning, prior)) = &device.turning {
                 let motion = turning.now();
-                let avatar = turning.avatar();
+                let proxy = turning.proxy();
                 tool.orientation = quaternion(&motion.orientation);
                 tool.angular_velocity = motion.turning(&prior.moments).into();
-                tool.avatar_orientation = quaternion(&avatar);
+                tool.proxy_orientation = quaternion(&proxy);
                 tool.turn_offset = turning.offset.scaled_axis().into();
                 tool.momentum_offset = (turning.momentum_offset / motion.mobility).into();
                 tool.inertia = prior.known(motion.mobility).map(Into::into);

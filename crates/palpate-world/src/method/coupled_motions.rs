@@ -3,8 +3,8 @@
 use crate::axes::Axes;
 use crate::commands::Acting;
 use crate::linkage::{Linkage, Passage, Start};
+use crate::moving_body::Drive;
 use crate::observer::{AxisForce, AxisMotion, AxisObserver};
-use crate::part::Drive;
 use crate::rigid::{Mobility, Vector3};
 
 /// State of a device as estimated by its observers along each of its axes, relative to its measured position.

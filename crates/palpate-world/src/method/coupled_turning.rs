@@ -6,7 +6,7 @@
 
 use crate::commands::Acting;
 use crate::moving::Moving;
-use crate::part::Part;
+use crate::moving_body::Part;
 use crate::rigid::{Rotation, Vector3};
 use crate::turning::TurningDrive;
 use crate::turning_observer::{Torque, TurningMotion, TurningObserver, TurningPrior, rotated};
@@ -32,7 +32,7 @@ pub(super) struct TurningWork {
     /// Kinetic energy gained by the device minus the work of the commanded torque.
     pub by_hand: f64,
     /// Kinetic energy gained by the proxy.
-    pub by_avatar: f64,
+    pub by_proxy: f64,
     /// Kinetic energy gained by the proxy minus that gained by the device.
     pub gained_more: f64,
 }
@@ -82,7 +82,7 @@ impl Turning {
 
     /// Advances the device prediction under the commanded torque. Returns the integral of its angular velocity
     /// `[rad]`.
-    pub fn go_on(&mut self, prior: &TurningPrior, acting: &Acting, h: f64) -> Vector3 {
+    pub fn resume(&mut self, prior: &TurningPrior, acting: &Acting, h: f64) -> Vector3 {
         let torque = Torque {
             mean: acting.intended,
             lead: acting.lead,
@@ -104,39 +104,39 @@ impl Turning {
         h: f64,
     ) -> TurningWork {
         let start = self.ahead;
-        let path = self.go_on(prior, acted, h);
+        let path = self.resume(prior, acted, h);
         self.measured = *measured;
         if prior.led {
             // The proxy rotates with its device; its integrated orientation differs by the sub-step error.
             return TurningWork {
                 path,
                 by_hand: 0.0,
-                by_avatar: 0.0,
+                by_proxy: 0.0,
                 gained_more: 0.0,
             };
         }
         let end = self.ahead;
         let momentum_offset = part.rigid.spin * end.mobility - end.momentum;
         let energy = |motion: &TurningMotion| motion.kinetic_energy(&prior.moments);
-        let of_avatar = |motion: &TurningMotion, offset: Rotation, w: &Vector3| {
-            let avatar = TurningMotion {
+        let of_proxy = |motion: &TurningMotion, offset: Rotation, w: &Vector3| {
+            let proxy = TurningMotion {
                 orientation: unit(offset * motion.orientation),
                 momentum: motion.momentum + w,
                 ..*motion
             };
-            energy(&avatar)
+            energy(&proxy)
         };
         let by_device = energy(&end) - energy(&start);
         let offset = unit(part.rigid.orientation * end.orientation.inverse());
-        let by_avatar = of_avatar(&end, offset, &momentum_offset)
-            - of_avatar(&start, self.offset, &self.momentum_offset);
+        let by_proxy = of_proxy(&end, offset, &momentum_offset)
+            - of_proxy(&start, self.offset, &self.momentum_offset);
         self.offset = offset;
         self.momentum_offset = momentum_offset;
         TurningWork {
             path,
             by_hand: by_device - acted.intended.dot(&path),
-            by_avatar,
-            gained_more: by_avatar - by_device,
+            by_proxy,
+            gained_more: by_proxy - by_device,
         }
     }
 
@@ -171,7 +171,7 @@ impl Turning {
 
     /// Returns the residual angular impulse at the start of the interval that a torque governs, which `moving` has
     /// begun `[N m s]`.
-    pub fn owed(&self, prior: &TurningPrior, moving: &Moving, tool: usize) -> Vector3 {
+    pub fn residual(&self, prior: &TurningPrior, moving: &Moving, tool: usize) -> Vector3 {
         if prior.is_immovable || prior.led {
             return Vector3::zeros();
         }
@@ -184,7 +184,7 @@ impl Turning {
     }
 
     /// Returns the orientation of the proxy at the last sample.
-    pub fn avatar(&self) -> Rotation {
+    pub fn proxy(&self) -> Rotation {
         rotated(&self.offset.scaled_axis(), &self.now().orientation)
     }
 }

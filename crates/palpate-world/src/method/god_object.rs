@@ -6,14 +6,14 @@
 use palpate::Range;
 
 use super::god_object_proxy::{Constraint, Proxy, limit_slip, nearest_allowed};
+use crate::contact_point::Held;
 use crate::fault::out_of_range;
 use crate::interval::advance;
+use crate::moving_body::Drive;
 use crate::pairs::Point;
-use crate::part::Drive;
 use crate::rigid::Vector3;
 use crate::solid::Solid;
 use crate::state::{Progress, show_contacts};
-use crate::touch::Held;
 use crate::{Effort, Shape, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of god-object rendering.
@@ -160,8 +160,8 @@ impl GodObjectMemory {
         for (tool, (device, part)) in state.tools.iter_mut().zip(parts) {
             tool.position = device.position.into();
             tool.velocity = device.velocity.into();
-            tool.avatar_position = part.rigid.position.into();
-            tool.avatar_velocity = tool.velocity;
+            tool.proxy_position = part.rigid.position.into();
+            tool.proxy_velocity = tool.velocity;
             tool.offset = (part.rigid.position - device.position).into();
         }
     }
@@ -189,7 +189,7 @@ impl GodObject {
             self.press(renderer, state, memory, tool, None);
         }
         state.now.look(&renderer.points);
-        state.books.observe(&state.now, &renderer.points);
+        state.ledger.observe(&state.now, &renderer.points);
     }
 
     pub fn conclude(
@@ -202,27 +202,27 @@ impl GodObject {
     ) -> Effort {
         let points = &renderer.points;
         state.now.begin();
-        let sub_steps = &renderer.in_loop.sub_steps;
+        let sub_steps = &renderer.loop_params.sub_steps;
         let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
-        state.books.pass(&state.now, points, renderer.tools);
+        state.ledger.pass(&state.now, points, renderer.tools);
         for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
             let device = &mut memory.devices[tool];
             let way = Vector3::from(*position) - device.position;
             let axes = renderer.axes[tool];
             device.position += way;
             device.velocity = way / elapsed;
-            let book = &mut state.books.devices[tool];
+            let entry = &mut state.ledger.devices[tool];
             for (number, point) in points.iter().enumerate() {
                 if point.first == tool {
                     let force = state.now.touches[number].force;
                     let held = force.dot(&way);
-                    book.carried += axes.across(&force).dot(&way);
-                    state.books.contacts[number].held += held;
-                    book.held += held;
+                    entry.carried += axes.across(&force).dot(&way);
+                    state.ledger.contacts[number].held += held;
+                    entry.held += held;
                 }
             }
-            book.port_work += state.commands.passed(tool).sent.dot(&way);
-            book.unforeseen = book.port_work + book.carried - book.held;
+            entry.port_work += state.commands.passed(tool).sent.dot(&way);
+            entry.unforeseen = entry.port_work + entry.carried - entry.held;
             self.press(renderer, state, memory, tool, Some(elapsed));
         }
         state.now.begin();
@@ -299,7 +299,7 @@ impl GodObject {
             }
             let touch = &mut state.now.touches[number];
             let constraint = &memory.constraints[number];
-            let book = &mut state.books.contacts[number];
+            let entry = &mut state.ledger.contacts[number];
             // The proxy moves under the held force; the contact stores no energy.
             let work = touch.force.dot(&step);
             let part = if holds > 0.0 {
@@ -308,12 +308,12 @@ impl GodObject {
                 0.0
             };
             let lost = stiffness * stays.norm() * slipped * part;
-            book.work += work;
-            book.work_on_avatar += work;
-            book.dissipated += lost;
-            book.observed += work + lost;
+            entry.work += work;
+            entry.work_on_proxy += work;
+            entry.dissipated += lost;
+            entry.observed += work + lost;
             if constraint.push <= 0.0 {
-                touch.let_go();
+                touch.disable_output();
                 memory.anchors[number] = None;
                 continue;
             }

@@ -5,10 +5,10 @@
 
 mod basic;
 pub(crate) mod coupled;
-pub(crate) mod coupled_avatar;
-mod coupled_books;
+mod coupled_ledger;
 mod coupled_motions;
 mod coupled_params;
+pub(crate) mod coupled_proxy;
 mod coupled_turning;
 mod god_object;
 mod god_object_proxy;
@@ -133,7 +133,7 @@ impl Checked {
                 Memory::GodObject(GodObjectMemory::new(renderer.tools, points))
             }
             Self::Coupled(coupled) => {
-                Memory::Coupled(CoupledMemory::new(coupled, renderer.in_loop().period))
+                Memory::Coupled(CoupledMemory::new(coupled, renderer.loop_params().period))
             }
         }
     }

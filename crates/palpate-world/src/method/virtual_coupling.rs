@@ -4,7 +4,7 @@ use palpate::Range;
 
 use crate::fault::out_of_range;
 use crate::interval::advance;
-use crate::part::Drive;
+use crate::moving_body::Drive;
 use crate::rigid::{Rotation, Vector3};
 use crate::state::{Progress, quaternion, show_contacts};
 use crate::turning::TurningDrive;
@@ -181,13 +181,13 @@ impl VirtualCouplingMemory {
             let rigid = &part.rigid;
             tool.position = device.position.into();
             tool.velocity = device.velocity.into();
-            tool.avatar_position = rigid.position.into();
-            tool.avatar_velocity = rigid.velocity.into();
+            tool.proxy_position = rigid.position.into();
+            tool.proxy_velocity = rigid.velocity.into();
             tool.offset = (rigid.position - device.position).into();
             tool.velocity_offset = (rigid.velocity - device.velocity).into();
             tool.orientation = quaternion(&device.orientation);
             tool.angular_velocity = device.turning.into();
-            tool.avatar_orientation = quaternion(&rigid.orientation);
+            tool.proxy_orientation = quaternion(&rigid.orientation);
             let apart = rigid.orientation * device.orientation.inverse();
             tool.turn_offset = apart.scaled_axis().into();
         }
@@ -234,7 +234,7 @@ impl VirtualCoupling {
             };
         }
         state.now.look(&renderer.points);
-        state.books.observe(&state.now, &renderer.points);
+        state.ledger.observe(&state.now, &renderer.points);
     }
 
     pub fn conclude(
@@ -264,12 +264,12 @@ impl VirtualCoupling {
         }
         if is_any_led || !renderer.axes.iter().all(|axes| axes.are_all()) {
             state.now.look(points);
-            state.books.observe(&state.now, points);
+            state.ledger.observe(&state.now, points);
         }
         state.now.begin();
-        let sub_steps = &renderer.in_loop.sub_steps;
+        let sub_steps = &renderer.loop_params.sub_steps;
         let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
-        state.books.pass(&state.now, points, renderer.tools);
+        state.ledger.pass(&state.now, points, renderer.tools);
         for (tool, device) in memory.devices.iter_mut().enumerate() {
             let way = Vector3::from(positions[tool]) - device.position;
             device.position += way;
@@ -286,29 +286,29 @@ impl VirtualCoupling {
             if led {
                 part.rigid.orientation = turned;
             }
-            let book = &mut state.books.devices[tool];
+            let entry = &mut state.ledger.devices[tool];
             for (point, (touch, contact)) in points
                 .iter()
-                .zip(state.now.touches.iter().zip(&mut state.books.contacts))
+                .zip(state.now.touches.iter().zip(&mut state.ledger.contacts))
             {
                 if let Some(sign) = point.sign_on(tool) {
                     let past = &touch.past;
                     let impulse = past.impulse.dot(&way) * sign;
                     let held = if led {
-                        book.carried += past.work_on_led_turn;
+                        entry.carried += past.work_on_led_turn;
                         impulse / elapsed + past.work_on_led_turn
                     } else {
                         (impulse + past.angular_impulse.dot(&by)) / elapsed
                     };
                     let carried = axes.across(&touch.past.impulse).dot(&way);
-                    book.carried += carried * sign / elapsed;
+                    entry.carried += carried * sign / elapsed;
                     contact.held += held;
-                    book.held += held;
+                    entry.held += held;
                 }
             }
-            book.port_work += state.commands.passed(tool).sent.dot(&way)
+            entry.port_work += state.commands.passed(tool).sent.dot(&way)
                 + state.torque_commands.passed_or_none(tool).dot(&by);
-            book.unforeseen = book.port_work + book.carried - book.held;
+            entry.unforeseen = entry.port_work + entry.carried - entry.held;
         }
         effort
     }

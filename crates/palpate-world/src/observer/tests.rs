@@ -76,10 +76,10 @@ fn the_transition_is_the_derivative_of_the_motion() {
         let [more, less] = [moved(step), moved(-step)];
         for row in 0..3 {
             let slope = (more[row] - less[row]) / (2.0 * step);
-            let told = rows[row][state];
+            let model = rows[row][state];
             assert!(
-                (slope - told).abs() < 1e-6 * told.abs().max(1e-3),
-                "{row} {state}: {slope} {told}"
+                (slope - model).abs() < 1e-6 * model.abs().max(1e-3),
+                "{row} {state}: {slope} {model}"
             );
         }
     }
@@ -166,6 +166,9 @@ fn a_hand_that_has_rested_is_followed() {
 
 #[test]
 fn noise_that_nobody_told_costs_no_more_than_noise_that_was_told() {
-    let (told, untold) = (velocity_off(5e-6 * 12_f64.sqrt()), velocity_off(0.0));
-    assert!(untold < 1.1 * told, "{untold:e} m/s, told {told:e} m/s");
+    let (model, unmodelled) = (velocity_off(5e-6 * 12_f64.sqrt()), velocity_off(0.0));
+    assert!(
+        unmodelled < 1.1 * model,
+        "{unmodelled:e} m/s, told {model:e} m/s"
+    );
 }

@@ -102,11 +102,11 @@ proptest! {
             tool.axes = [0, 1, 2].map(|axis| axis != lacks);
         }
         for method in methods() {
-            let mut in_loop = WorldLoop::new(0.001).with_force_limits(vec![LIMIT; 2]);
+            let mut loop_params = WorldLoop::new(0.001).with_force_limits(vec![LIMIT; 2]);
             if believes_all {
-                in_loop.speed_limit = None;
+                loop_params.speed_limit = None;
             }
-            let renderer = WorldRenderer::new(&crowded, in_loop, method).unwrap();
+            let renderer = WorldRenderer::new(&crowded, loop_params, method).unwrap();
             let mut state = renderer.start();
             for (positions, elapsed) in &samples {
                 let sample = Sample { positions, orientations: &[], elapsed: *elapsed };
@@ -184,8 +184,8 @@ fn a_damper_that_is_too_strong_for_its_masses_gives_no_force() {
         let light = crate::common::ball("light", 0.01, Free::of_mass(0.005)).at([0.0, 0.0, 0.01]);
         let floor = crate::common::plane("floor", [0.0, 0.0, 1.0]);
         let world = crate::common::world(0.005, vec![floor, light], law);
-        let told = CoupledParams::new(vec![[0.2; 3]]);
-        let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), told).unwrap();
+        let model = CoupledParams::new(vec![[0.2; 3]]);
+        let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), model).unwrap();
         let mut state = renderer.start();
         let (mut z, mut v, mut most, mut faults) = (0.03, -0.2_f64, 0.0_f64, 0);
         for _ in 0..400 {

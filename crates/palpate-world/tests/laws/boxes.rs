@@ -176,10 +176,10 @@ fn the_books_of_a_stack_that_is_knocked_over_balance() {
         let x = -0.05 + 0.15 * 0.001 * f64::from(sample);
         renderer.step(&mut state, &Sample::at(&[[x, 0.004, 0.042]]));
         let now: f64 = state
-            .books()
+            .ledger()
             .contacts
             .iter()
-            .map(|book| book.dissipated)
+            .map(|entry| entry.dissipated)
             .sum();
         assert!(now >= dissipated);
         dissipated = now;

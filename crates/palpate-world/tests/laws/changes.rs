@@ -2,7 +2,7 @@
 
 use palpate_world::{
     BasicParams, Body, BodyState, Contact, ContactLaw, ContactState, CoupledParams, Free,
-    GodObjectParams, Joint, JointKind, JointLaw, Mode, Motion, NOT_TURNED, Party, Sample, Shape,
+    GodObjectParams, IDENTITY, Joint, JointKind, JointLaw, Mode, Motion, Party, Sample, Shape,
     Side, Tool, Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldPart,
     WorldRenderer, WorldState,
 };
@@ -63,20 +63,20 @@ pub fn start(world: &World, method: WorldMethod) -> (WorldRenderer, WorldState) 
 
 /// Asserts that each ledger is balanced over the whole run.
 pub fn assert_balanced(state: &WorldState, kinetic_at_start: f64) {
-    let books = state.books();
+    let ledger = state.ledger();
     let mut sum = -kinetic_at_start;
-    for book in books.bodies.iter().chain([&books.gone.bodies]) {
-        sum += book.kinetic + book.potential - book.work - book.outside - book.step_error;
+    for entry in ledger.bodies.iter().chain([&ledger.gone.bodies]) {
+        sum += entry.kinetic + entry.potential - entry.work - entry.outside - entry.step_error;
     }
     assert!(sum.abs() < 1e-12, "bodies: {sum}");
-    for book in books.contacts.iter().chain([&books.gone.contacts]) {
-        let from = book.observed + book.outside + book.handed + book.step_error;
-        let off = book.stored - from + book.work + book.dissipated;
-        assert!(off.abs() < 1e-12, "{book:?}: {off}");
+    for entry in ledger.contacts.iter().chain([&ledger.gone.contacts]) {
+        let from = entry.observed + entry.outside + entry.handed + entry.step_error;
+        let off = entry.stored - from + entry.work + entry.dissipated;
+        assert!(off.abs() < 1e-12, "{entry:?}: {off}");
     }
-    for book in books.joints.iter().chain([&books.gone.joints]) {
-        let off = book.stored - book.outside - book.step_error + book.work + book.dissipated;
-        assert!(off.abs() < 1e-12, "{book:?}: {off}");
+    for entry in ledger.joints.iter().chain([&ledger.gone.joints]) {
+        let off = entry.stored - entry.outside - entry.step_error + entry.work + entry.dissipated;
+        assert!(off.abs() < 1e-12, "{entry:?}: {off}");
     }
 }
 
@@ -107,7 +107,7 @@ fn a_world_that_is_changed_to_itself_goes_on_as_it_would_have() {
         assert_balanced(&state, 0.0);
         let [moved, expected] = [&state, &beside].map(|state| state.bodies()[1].position[0]);
         assert!((moved - expected).abs() < 1e-9 && moved > 1e-3, "{moved}");
-        let created = [&state, &beside].map(|state| state.books().created());
+        let created = [&state, &beside].map(|state| state.ledger().created());
         assert!((created[0] - created[1]).abs() < 1e-9, "{created:?}");
     }
 }
@@ -125,22 +125,25 @@ fn a_body_that_comes_and_goes_leaves_the_others_alone() {
             .insert(0, ball("guest", 0.01, flying).at([0.0, 1.0, 1.0]));
         for sample in 0..600 {
             if sample == 200 {
-                let created = state.books().created();
+                let created = state.ledger().created();
                 (renderer, state) = renderer.changed(&state, &more).expect("one more");
-                assert!((state.books().created() - created).abs() < 1e-15);
+                assert!((state.ledger().created() - created).abs() < 1e-15);
                 let guest = state.bodies()[0];
                 assert_eq!(
                     (guest.position, guest.velocity),
                     ([0.0, 1.0, 1.0], [0.0, 0.5, 0.0])
                 );
-                let book = state.books().bodies[0];
-                assert!((book.outside - 0.5 * 0.02 * 0.25).abs() < 1e-15, "{book:?}");
+                let entry = state.ledger().bodies[0];
+                assert!(
+                    (entry.outside - 0.5 * 0.02 * 0.25).abs() < 1e-15,
+                    "{entry:?}"
+                );
             }
             if sample == 400 {
                 let guest = state.bodies()[0];
                 assert!((guest.position[1] - 1.1).abs() < 1e-9, "{guest:?}");
                 (renderer, state) = renderer.changed(&state, &world).expect("as before");
-                let gone = state.books().gone;
+                let gone = state.ledger().gone;
                 assert!(
                     gone.bodies.outside.abs() < 1e-15,
                     "it took along what it brought"
@@ -175,20 +178,30 @@ fn a_contact_that_gets_stiffer_books_the_energy_of_it() {
             renderer.step(&mut state, &Sample::at(&pushed(sample)));
         }
         let stored = |state: &WorldState| -> f64 {
-            state.books().contacts.iter().map(|book| book.stored).sum()
+            state
+                .ledger()
+                .contacts
+                .iter()
+                .map(|entry| entry.stored)
+                .sum()
         };
-        let before = (stored(&state), state.books().created());
+        let before = (stored(&state), state.ledger().created());
         let dissipated = |state: &WorldState| -> f64 {
-            let books = state.books();
-            books.contacts.iter().map(|book| book.dissipated).sum()
+            let ledger = state.ledger();
+            ledger.contacts.iter().map(|entry| entry.dissipated).sum()
         };
         let lost = dissipated(&state);
         (renderer, state) = renderer.changed(&state, &stiffer).expect("renderable");
-        let outside: f64 = state.books().contacts.iter().map(|book| book.outside).sum();
+        let outside: f64 = state
+            .ledger()
+            .contacts
+            .iter()
+            .map(|entry| entry.outside)
+            .sum();
         let lost = dissipated(&state) - lost;
         assert!((stored(&state) + lost - before.0 - outside).abs() < 1e-15);
         assert_eq!(
-            state.books().created(),
+            state.ledger().created(),
             before.1,
             "nothing was held meanwhile"
         );
@@ -234,7 +247,7 @@ fn a_joint_goes_on_at_its_coordinate_and_a_new_one_begins_as_the_bodies_stand() 
     }
     let kinetic = {
         let (_, state) = start(&world, CoupledParams::new(vec![[0.1; 3]]).into());
-        state.books().bodies[0].kinetic
+        state.ledger().bodies[0].kinetic
     };
     let (mut renderer, mut state) = start(&world, CoupledParams::new(vec![[0.1; 3]]).into());
     let (other, mut beside) = start(&world, CoupledParams::new(vec![[0.1; 3]]).into());
@@ -269,8 +282,11 @@ fn a_joint_goes_on_at_its_coordinate_and_a_new_one_begins_as_the_bodies_stand() 
     let [x, y, z] = fallen.position;
     again.joints[0].point = [x, y, z + 0.05];
     (renderer, state) = renderer.changed(&state, &again).expect("a new joint");
-    let book = state.books().joints[0];
-    assert!(book.stored.abs() < 1e-12, "nothing is stretched: {book:?}");
+    let entry = state.ledger().joints[0];
+    assert!(
+        entry.stored.abs() < 1e-12,
+        "nothing is stretched: {entry:?}"
+    );
     for _ in 0..200 {
         renderer.step(&mut state, &far);
         let [px, _, pz] = state.bodies()[1].position;
@@ -295,7 +311,7 @@ fn another_mass_keeps_the_velocity_and_books_the_energy() {
     for _ in 0..50 {
         renderer.step(&mut state, &Sample::at(&[FAR]));
     }
-    let (before, kinetic) = (state.bodies()[0], state.books().bodies[0].kinetic);
+    let (before, kinetic) = (state.bodies()[0], state.ledger().bodies[0].kinetic);
     (renderer, state) = renderer.changed(&state, &flying(0.3)).expect("renderable");
     let after = state.bodies()[0];
     assert_eq!(
@@ -305,9 +321,9 @@ fn another_mass_keeps_the_velocity_and_books_the_energy() {
     for (one, other) in after.angular_velocity.iter().zip(before.angular_velocity) {
         assert!((one - other).abs() < 1e-12);
     }
-    let book = state.books().bodies[0];
-    assert!((book.kinetic - 3.0 * kinetic).abs() < 1e-12, "{book:?}");
-    assert!((book.outside - 2.0 * kinetic).abs() < 1e-12, "{book:?}");
+    let entry = state.ledger().bodies[0];
+    assert!((entry.kinetic - 3.0 * kinetic).abs() < 1e-12, "{entry:?}");
+    assert!((entry.outside - 2.0 * kinetic).abs() < 1e-12, "{entry:?}");
     assert_eq!(renderer.step(&mut state, &Sample::at(&[FAR])).fault, None);
 }
 
@@ -340,7 +356,7 @@ fn a_body_is_put_elsewhere() {
         assert_eq!(bristle(&copy), 0.0, "{}", method.name());
         let to = BodyState {
             position: [0.3, 0.2, HALF + 0.01],
-            orientation: NOT_TURNED,
+            orientation: IDENTITY,
             velocity: [0.0, 0.1, 0.0],
             angular_velocity: [0.0; 3],
         };
@@ -424,7 +440,7 @@ fn what_cannot_be_is_refused_and_nothing_changes() {
         assert_eq!(error.part, WorldPart::Body(body));
     }
     assert_eq!(state.bodies(), before.bodies());
-    assert_eq!(state.books(), before.books());
+    assert_eq!(state.ledger(), before.ledger());
     let mut other = world.clone();
     other.tools[0].name = "finger".into();
     let faults = renderer.changed(&state, &other).unwrap_err();
@@ -459,23 +475,23 @@ fn a_body_that_is_taken_away_keeps_what_was_booked() {
         for sample in 0..600 {
             renderer.step(&mut state, &Sample::at(&pushed(sample)));
         }
-        let created = state.books().created();
-        let on_avatar: f64 = {
-            let contacts = state.books().contacts.iter();
-            contacts.map(|book| book.work_on_avatar).sum()
+        let created = state.ledger().created();
+        let on_proxy: f64 = {
+            let contacts = state.ledger().contacts.iter();
+            contacts.map(|entry| entry.work_on_proxy).sum()
         };
-        assert!(on_avatar.abs() > 1e-6, "{}: {on_avatar}", method.name());
+        assert!(on_proxy.abs() > 1e-6, "{}: {on_proxy}", method.name());
         let mut empty = world;
         empty.bodies.truncate(1);
         (renderer, state) = renderer.changed(&state, &empty).expect("renderable");
-        let books = state.books();
+        let ledger = state.ledger();
         assert!(
-            (books.created() - created).abs() < 1e-15,
+            (ledger.created() - created).abs() < 1e-15,
             "{}",
             method.name()
         );
         assert_eq!(
-            (books.gone.contacts.stored, books.gone.bodies.kinetic),
+            (ledger.gone.contacts.stored, ledger.gone.bodies.kinetic),
             (0.0, 0.0)
         );
         for _ in 0..50 {

@@ -19,7 +19,7 @@ fn difference(sub_steps: SubSteps) -> (f64, usize) {
     let weight = -9.81 * BALL;
     let free = Free::of_mass(BALL).pulled_by([0.0, 0.0, weight]);
     let bodies = vec![ball("ball", RADIUS, free).at([0.0, 0.0, RADIUS + 0.01])];
-    let in_loop = WorldLoop {
+    let loop_params = WorldLoop {
         sub_steps,
         ..WorldLoop::new(PERIOD)
     };
@@ -29,7 +29,7 @@ fn difference(sub_steps: SubSteps) -> (f64, usize) {
         ..CoupledParams::new(vec![[MASS; 3]]).with_prior(Prior::of_a_known_mass())
     };
     let world = world(0.0, bodies, ContactLaw::spring(STIFFNESS));
-    let renderer = WorldRenderer::new(&world, in_loop, method).unwrap();
+    let renderer = WorldRenderer::new(&world, loop_params, method).unwrap();
     let mut state = renderer.start();
 
     let core = palpate::Renderer::new(
@@ -114,7 +114,7 @@ fn a_block_that_friction_holds_swings_by_the_damping_of_its_bristle() {
         worst = worst.max((x - 0.8 * way).abs().max((y - 0.6 * way).abs()));
     }
     let kinetic = 0.5 * mass * speed * speed;
-    let dissipated = state.books().dissipated() / kinetic;
+    let dissipated = state.ledger().dissipated() / kinetic;
     println!(
         "off by {:.1e} of the largest way; dissipated {dissipated:.4} of the energy",
         worst * omega / speed

@@ -18,8 +18,12 @@ fn meeting(law: ContactLaw) -> (WorldRenderer, WorldState) {
         ball("spinning", 0.02, spinning).at([-0.05, 0.004, 0.0]),
         ball("still", 0.03, Free::of_mass(MASSES[1])).at([0.01, -0.005, 0.006]),
     ];
-    let in_loop = WorldLoop::new(0.001);
-    let renderer = WorldRenderer::new(&world(0.0, bodies, law), in_loop, BasicParams::default());
+    let loop_params = WorldLoop::new(0.001);
+    let renderer = WorldRenderer::new(
+        &world(0.0, bodies, law),
+        loop_params,
+        BasicParams::default(),
+    );
     let renderer = renderer.unwrap();
     let state = renderer.start();
     (renderer, state)
@@ -160,14 +164,14 @@ fn the_integration_is_of_second_order() {
             // It starts in contact, so that no contact begins within a sub-step.
             .at([0.0, 0.0, 0.0199]),
         ];
-        let mut in_loop = WorldLoop::new(0.001);
-        in_loop.sub_steps = SubSteps {
+        let mut loop_params = WorldLoop::new(0.001);
+        loop_params.sub_steps = SubSteps {
             least: count,
             most: count,
             ..SubSteps::default()
         };
         let world = world(0.0, bodies, law);
-        let renderer = WorldRenderer::new(&world, in_loop, BasicParams::default()).unwrap();
+        let renderer = WorldRenderer::new(&world, loop_params, BasicParams::default()).unwrap();
         let mut state = renderer.start();
         leave_alone(&renderer, &mut state, 5);
         state.bodies()[1].velocity

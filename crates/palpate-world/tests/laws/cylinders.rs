@@ -162,12 +162,12 @@ fn a_large_box_bears_a_cylinder_as_a_half_space_does() {
     let falls = can(free, [0.0, 0.0, 0.04]).turned(turned(0.02, 0.05, 0.05));
     let table = Body::new("table", box_of([0.5, 0.4, 0.3]), Motion::Fixed).at([0.02, 0.01, -0.3]);
     // The number of sub-steps depends on the proximity query, which differs between the two shapes.
-    let mut in_loop = WorldLoop::new(0.001);
-    in_loop.sub_steps.least = in_loop.sub_steps.most;
+    let mut loop_params = WorldLoop::new(0.001);
+    loop_params.sub_steps.least = loop_params.sub_steps.most;
     let renderers = [table, plane("table", [0.0, 0.0, 1.0])].map(|below| {
         let world = world(0.005, vec![falls.clone(), below], law);
         let method = CoupledParams::new(vec![[0.1; 3]]);
-        WorldRenderer::new(&world, in_loop.clone(), method).unwrap()
+        WorldRenderer::new(&world, loop_params.clone(), method).unwrap()
     });
     let mut states = renderers.each_ref().map(WorldRenderer::start);
     let (mut apart, mut pushed) = (0.0_f64, [0; 9]);

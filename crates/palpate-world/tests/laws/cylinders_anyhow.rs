@@ -175,8 +175,10 @@ fn whatever_is_thrown_at_cylinders_their_books_close() {
             continue;
         }
         let balance = Balance::since(start, &state);
-        let books = state.books().bodies.iter();
-        let has: f64 = books.map(|book| book.kinetic + book.potential.abs()).sum();
+        let ledger = state.ledger().bodies.iter();
+        let has: f64 = ledger
+            .map(|entry| entry.kinetic + entry.potential.abs())
+            .sum();
         let over = balance.turned_over + has;
         met += u32::from(balance.turned_over > 1e-3);
         let off = balance.contact.max(balance.world.abs()) / over;

@@ -5,7 +5,7 @@ use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, EngineState, PlacedShape, Stepping,
 };
 use palpate_world::{
-    Body, Contact, ContactLaw, CoupledParams, Free, Hull, Mesh, Motion, NOT_TURNED, Party, Prior,
+    Body, Contact, ContactLaw, CoupledParams, Free, Hull, IDENTITY, Mesh, Motion, Party, Prior,
     Sample, Shape, Tool, Vector, World, WorldLoop, WorldRenderer,
 };
 
@@ -96,7 +96,7 @@ fn engine_renderer_of(
         shapes: vec![PlacedShape {
             shape: Shape::Sphere { radius: RADIUS },
             position: [0.0; 3],
-            orientation: NOT_TURNED,
+            orientation: IDENTITY,
         }],
         law,
     };
@@ -279,7 +279,7 @@ fn a_device_that_lacks_an_axis_meets_an_engine_s_ball_as_one_of_a_world() {
     assert!(error < 0.1, "{error}");
     assert!(forces.iter().all(|force| force[0] == 0.0));
     assert!(given[0].abs() > 1e-3, "{given:?}");
-    assert!(state.books().devices[0].carried != 0.0);
+    assert!(state.ledger().devices[0].carried != 0.0);
 }
 
 /// Ball and device receive opposite impulses.
@@ -294,13 +294,13 @@ fn body_and_device_are_given_the_same_impulse() {
         (held + given[2]).abs() < 0.02 * given[2],
         "{held} {given:?}"
     );
-    let [book] = &state.books().contacts[..] else {
+    let [entry] = &state.ledger().contacts[..] else {
         panic!("one contact");
     };
-    let left = book.observed - book.work - book.dissipated + book.step_error;
-    assert!((book.stored - left).abs() < 1e-12, "{book:?}");
-    let turned_over = book.work_on_avatar.abs() + book.held.abs();
-    assert!(book.step_error.abs() < 1e-3 * turned_over, "{book:?}");
+    let left = entry.observed - entry.work - entry.dissipated + entry.step_error;
+    assert!((entry.stored - left).abs() < 1e-12, "{entry:?}");
+    let turned_over = entry.work_on_proxy.abs() + entry.held.abs();
+    assert!(entry.step_error.abs() < 1e-3 * turned_over, "{entry:?}");
 }
 
 /// A table in the engine holds a ball that a tool presses; a free ball gains the work of the hand. Neither energy
@@ -324,7 +324,7 @@ fn a_body_that_the_engine_holds_creates_no_energy() {
             }
             let held = renderer.hold(&mut state).forces[0];
             force = force.max(held[2]);
-            most = most.max(state.books().created().abs());
+            most = most.max(state.ledger().created().abs());
         }
         assert!(force > if is_held { 8.0 } else { 0.1 }, "{force} N");
         assert!(most < 1e-3, "held {is_held}: {most} J");
@@ -421,7 +421,7 @@ fn what_cannot_be_rendered_is_said_with_its_name() {
             half_extents: [0.1, 0.0, 0.1],
         },
         position: [0.0; 3],
-        orientation: NOT_TURNED,
+        orientation: IDENTITY,
     }];
     let body = EngineBody {
         name: "door".into(),
@@ -429,8 +429,14 @@ fn what_cannot_be_rendered_is_said_with_its_name() {
         law,
     };
     let of = |bodies: &[EngineBody], params| {
-        let in_loop = WorldLoop::new(0.001);
-        let made = EngineRenderer::new(&[tool()], bodies, Stepping::MeanVelocity, in_loop, params);
+        let loop_params = WorldLoop::new(0.001);
+        let made = EngineRenderer::new(
+            &[tool()],
+            bodies,
+            Stepping::MeanVelocity,
+            loop_params,
+            params,
+        );
         let faults = made.unwrap_err();
         let faults: Vec<_> = faults.iter().map(ToString::to_string).collect();
         faults.join("\n")
@@ -463,7 +469,7 @@ fn still(name: &str, shape: Shape) -> EngineBody {
         shapes: vec![PlacedShape {
             shape,
             position: [0.0; 3],
-            orientation: NOT_TURNED,
+            orientation: IDENTITY,
         }],
         // So soft that it does not move the tool.
         law: ContactLaw::spring(1.0),
@@ -496,12 +502,12 @@ const STAR: [[u32; 3]; 8] = [
 /// Returns a renderer for a sphere of 5 mm and one fixed shape.
 fn on(shape: Shape) -> EngineRenderer {
     let body = still("body", shape);
-    let in_loop = WorldLoop::new(0.001);
+    let loop_params = WorldLoop::new(0.001);
     EngineRenderer::new(
         &[tool()],
         &[body],
         Stepping::MeanVelocity,
-        in_loop,
+        loop_params,
         params(),
     )
     .unwrap()

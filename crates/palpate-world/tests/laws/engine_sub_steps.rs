@@ -4,7 +4,7 @@ use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, PlacedShape, Stepping,
 };
 use palpate_world::{
-    ContactLaw, CoupledParams, NOT_TURNED, Prior, Sample, Shape, SubSteps, Tool, Vector, WorldLoop,
+    ContactLaw, CoupledParams, IDENTITY, Prior, Sample, Shape, SubSteps, Tool, Vector, WorldLoop,
 };
 
 const DEVICE: Vector = [0.1, 0.16, 0.25];
@@ -95,18 +95,18 @@ fn run(scene: &Scene, sub_steps: SubSteps) -> Run {
         shapes: vec![PlacedShape {
             shape: scene.shape.clone(),
             position: [0.0; 3],
-            orientation: NOT_TURNED,
+            orientation: IDENTITY,
         }],
         law: scene.law,
     };
     let tool = Tool::new("tool", Shape::Sphere { radius: 0.0 });
-    let in_loop = WorldLoop {
+    let loop_params = WorldLoop {
         sub_steps,
         ..WorldLoop::new(scene.period)
     };
     let params = CoupledParams::new(vec![DEVICE]).with_prior(Prior::of_a_known_mass());
     let stepping = Stepping::MeanVelocity;
-    let renderer = EngineRenderer::new(&[tool], &[body], stepping, in_loop, params).unwrap();
+    let renderer = EngineRenderer::new(&[tool], &[body], stepping, loop_params, params).unwrap();
     let mut state = renderer.start();
     let mut now = BodyNow::fixed([0.0; 3]);
     if let Some(mass) = scene.mass {

@@ -145,7 +145,7 @@ fn trial(case: &Case, period: f64, delay: usize) -> Trial {
 }
 
 /// Returns a loop with nearly exact integration.
-fn fine(in_loop: WorldLoop) -> WorldLoop {
+fn fine(loop_params: WorldLoop) -> WorldLoop {
     WorldLoop {
         sub_steps: SubSteps {
             phase: 0.003,
@@ -153,7 +153,7 @@ fn fine(in_loop: WorldLoop) -> WorldLoop {
             refined: 100,
             ..SubSteps::default()
         },
-        ..in_loop
+        ..loop_params
     }
 }
 
@@ -170,15 +170,15 @@ fn exact() -> CoupledParams {
 fn errors(
     law: ContactLaw,
     (period, delay): (f64, usize),
-    in_loop: impl Fn(WorldLoop) -> WorldLoop,
+    loop_params: impl Fn(WorldLoop) -> WorldLoop,
     method: impl Into<WorldMethod>,
 ) -> [f64; 4] {
     let method = method.into();
     let actuation = Actuation::after_samples(delay, period);
     cases(law).map(|case| {
-        let in_loop = in_loop(WorldLoop::new(period).with_actuation(actuation));
+        let loop_params = loop_params(WorldLoop::new(period).with_actuation(actuation));
         let world = as_world(&case.ideal, case.law);
-        let renderer = WorldRenderer::new(&world, in_loop, method.clone()).unwrap();
+        let renderer = WorldRenderer::new(&world, loop_params, method.clone()).unwrap();
         trial(&case, period, delay).error(&renderer)
     })
 }
@@ -188,18 +188,18 @@ const LOOPS: [(f64, usize); 3] = [(0.001, 0), (0.004, 0), (0.001, 1)];
 #[test]
 fn with_devices_known_exactly_each_held_force_is_the_mean_of_the_ideal_one() {
     let smooth = ContactLaw::spring(4000.0).with_damping(1.0);
-    for (law, in_loop) in [smooth, smooth.with_friction(0.4)]
+    for (law, loop_params) in [smooth, smooth.with_friction(0.4)]
         .into_iter()
-        .flat_map(|law| LOOPS.map(|in_loop| (law, in_loop)))
+        .flat_map(|law| LOOPS.map(|loop_params| (law, loop_params)))
     {
-        let known = errors(law, in_loop, fine, exact());
+        let known = errors(law, loop_params, fine, exact());
         // Without an offset, the proxy starts each interval at the device.
         let without = CoupledParams {
             offset_limit: 1e-12,
             ..exact()
         };
-        let without = errors(law, in_loop, fine, without);
-        println!("{law:?}, {in_loop:?}: E {known:.4?} %, without the offset {without:.1?} %");
+        let without = errors(law, loop_params, fine, without);
+        println!("{law:?}, {loop_params:?}: E {known:.4?} %, without the offset {without:.1?} %");
         for (known, without) in known.into_iter().zip(without) {
             assert!(known < 0.01, "{known}");
             assert!(without > 20.0 * known, "{without}");
@@ -210,21 +210,21 @@ fn with_devices_known_exactly_each_held_force_is_the_mean_of_the_ideal_one() {
 #[test]
 fn as_it_comes_and_told_another_mass_it_is_near_that_mean() {
     let law = ContactLaw::spring(4000.0).with_damping(1.0);
-    for in_loop in LOOPS {
-        let same = |in_loop| in_loop;
-        let told = |factor: f64| CoupledParams::new(vec![DEVICE.map(|mass| factor * mass)]);
+    for loop_params in LOOPS {
+        let same = |loop_params| loop_params;
+        let model = |factor: f64| CoupledParams::new(vec![DEVICE.map(|mass| factor * mass)]);
         let [right, heavy, light] =
-            [1.0, 1.5, 0.67].map(|factor| errors(law, in_loop, same, told(factor)));
-        let basic = errors(law, in_loop, same, BasicParams::default());
+            [1.0, 1.5, 0.67].map(|factor| errors(law, loop_params, same, model(factor)));
+        let basic = errors(law, loop_params, same, BasicParams::default());
         let coupling = VirtualCouplingParams {
             stiffness: vec![3000.0],
             damping: vec![1.0],
             mass: vec![0.05],
             ..VirtualCouplingParams::default()
         };
-        let coupling = errors(law, in_loop, same, coupling);
+        let coupling = errors(law, loop_params, same, coupling);
         println!(
-            "{in_loop:?}: E {right:.3?} %, told 1.5 times the mass {heavy:.3?}, two thirds {light:.3?}; sampled spring \
+            "{loop_params:?}: E {right:.3?} %, told 1.5 times the mass {heavy:.3?}, two thirds {light:.3?}; sampled spring \
              {basic:.0?}, virtual coupling {coupling:.0?}"
         );
         for column in [right, heavy, light] {
@@ -236,11 +236,11 @@ fn as_it_comes_and_told_another_mass_it_is_near_that_mean() {
 }
 
 /// Returns E in percent over the windows in which the commands act, from `lead` after each sample. `real` is the
-/// actual actuator, `told` the renderer's model.
-fn over_windows(case: &Case, period: f64, real: Actuation<f64>, told: Actuation<f64>) -> f64 {
-    let in_loop = fine(WorldLoop::new(period)).with_actuation(told);
+/// actual actuator, `model` the renderer's model.
+fn over_windows(case: &Case, period: f64, real: Actuation<f64>, model: Actuation<f64>) -> f64 {
+    let loop_params = fine(WorldLoop::new(period)).with_actuation(model);
     let world = as_world(&case.ideal, case.law);
-    let renderer = WorldRenderer::new(&world, in_loop, exact()).unwrap();
+    let renderer = WorldRenderer::new(&world, loop_params, exact()).unwrap();
     let mut state = renderer.start();
     let mut ideal = case.ideal.clone();
     let tool = ideal.balls[0];
@@ -306,7 +306,7 @@ fn with_an_actuator_known_exactly_each_delivered_mean_is_that_of_the_ideal_force
     for real in actuators {
         let nothing = Actuation::default();
         let [known, unknown] = [real, nothing]
-            .map(|told| cases(law).map(|case| over_windows(&case, period, real, told)));
+            .map(|model| cases(law).map(|case| over_windows(&case, period, real, model)));
         println!(
             "delay {} s, lag {} s, gain {}: E {known:.4?} %, told nothing {unknown:.1?} %",
             real.delay, real.lag, real.gain

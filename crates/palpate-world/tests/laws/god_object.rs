@@ -55,10 +55,10 @@ fn the_proxy_stays_on_a_floor_and_at_the_edge_of_a_groove() {
     let above = [0.0, 0.0, 0.01];
     let force = lead(&floor, &mut state, above, [0.0, 0.0, 0.0051], 50);
     assert_eq!(force, [0.0; 3]);
-    near(state.tools()[0].avatar_position, [0.0, 0.0, 0.0051], 1e-15);
+    near(state.tools()[0].proxy_position, [0.0, 0.0, 0.0051], 1e-15);
     let force = lead(&floor, &mut state, above, [0.02, 0.0, 0.003], 200);
     near(force, [0.0, 0.0, K * 0.002], 1e-9);
-    near(state.tools()[0].avatar_position, [0.02, 0.0, 0.005], 1e-12);
+    near(state.tools()[0].proxy_position, [0.02, 0.0, 0.005], 1e-12);
     assert_eq!(state.contacts()[0].penetration, 0.0);
 
     // With other methods two walls push with K each; the proxy has only one coupling.
@@ -74,7 +74,7 @@ fn the_proxy_stays_on_a_floor_and_at_the_edge_of_a_groove() {
         200,
     );
     let edge = 0.005 / 0.8;
-    near(state.tools()[0].avatar_position, [0.0, 0.01, edge], 1e-9);
+    near(state.tools()[0].proxy_position, [0.0, 0.01, edge], 1e-9);
     near(force, [-K * 0.0002, 0.0, K * (edge - 0.004)], 1e-5);
 }
 
@@ -88,7 +88,7 @@ fn friction_holds_the_proxy_until_the_force_leaves_its_cone() {
     let stuck = lead(&rough, &mut state, pressed, [0.0005, 0.0, 0.003], 50);
     near(stuck, [-K * 0.0005, 0.0, K * 0.002], 1e-9);
     assert_eq!(state.contacts()[0].mode, Mode::Sticks);
-    let taken = state.books().contacts[0].dissipated;
+    let taken = state.ledger().contacts[0].dissipated;
     assert!(taken < 1e-12, "{taken}");
     let slides = lead(
         &rough,
@@ -100,7 +100,7 @@ fn friction_holds_the_proxy_until_the_force_leaves_its_cone() {
     near(slides, [-0.5 * K * 0.002, 0.0, K * 0.002], 1e-9);
     assert_eq!(state.contacts()[0].mode, Mode::Slides);
     // Friction force times the displacement of the proxy.
-    let taken = state.books().contacts[0].dissipated;
+    let taken = state.ledger().contacts[0].dissipated;
     let expected = 0.5 * K * 0.002 * (0.01 - 0.001);
     assert!((taken - expected).abs() < 1e-9, "{taken} {expected}");
 }
@@ -173,11 +173,7 @@ fn pressed_deep_against_a_thin_wall_of_triangles_it_does_not_pop_through() {
         400,
     );
     let surface = half[2] + 0.005;
-    near(
-        state.tools()[0].avatar_position,
-        [0.003, 0.0, surface],
-        1e-9,
-    );
+    near(state.tools()[0].proxy_position, [0.003, 0.0, surface], 1e-9);
     near(force, [0.0, 0.0, K * (surface + 0.01)], 1e-5);
 }
 

@@ -28,9 +28,9 @@ fn guard(allowance: f64, late: usize) -> WorldGuardParams {
 /// Returns the energy available to the hands at a sample, by the ledger: input minus dissipation by damping and
 /// friction.
 fn there(state: &WorldState, at_start: f64) -> f64 {
-    let books = state.books();
-    let potential: f64 = books.bodies.iter().map(|book| book.potential).sum();
-    let taken: f64 = books.contacts.iter().map(|book| book.dissipated).sum();
+    let ledger = state.ledger();
+    let potential: f64 = ledger.bodies.iter().map(|entry| entry.potential).sum();
+    let taken: f64 = ledger.contacts.iter().map(|entry| entry.dissipated).sum();
     at_start - potential - taken
 }
 
@@ -68,8 +68,8 @@ struct Given {
 fn broken(method: impl Into<WorldMethod>, guard: WorldGuard) -> Given {
     let (period, mass, late) = (1e-3, 0.2, 2);
     let law = ContactLaw::spring(20_000.0).with_damping(1.0);
-    let in_loop = WorldLoop::new(period).with_guard(guard);
-    let renderer = WorldRenderer::new(&corner(law), in_loop, method).unwrap();
+    let loop_params = WorldLoop::new(period).with_guard(guard);
+    let renderer = WorldRenderer::new(&corner(law), loop_params, method).unwrap();
     let mut state = renderer.start();
     let rest = [0.0, 0.0, -0.002];
     let (mut x, mut v) = ([0.008_f64, 0.0, 0.01], [0.0_f64; 3]);
@@ -147,11 +147,11 @@ fn a_loop_with_an_untold_delay_gives_out_no_more_than_the_allowance() {
 fn without_the_guard_the_same_loop_gives_out_many_times_as_much() {
     for (name, method) in in_the_corner() {
         let open = broken(method.clone(), WorldGuard::Off);
-        let told = broken(method.clone(), WorldGuard::Limit(guard(0.01, 0)));
-        println!("{name}: {open:?}; with a guard of .01 J that is told of no lateness {told:?}");
+        let model = broken(method.clone(), WorldGuard::Limit(guard(0.01, 0)));
+        println!("{name}: {open:?}; with a guard of .01 J that is told of no lateness {model:?}");
         assert!(open.most > 10.0 * 0.1, "{name}: {open:?}");
         // With an unmodelled delay the guard underestimates the delivered energy.
-        assert!(told.most > 0.02, "{name}: {told:?}");
+        assert!(model.most > 0.02, "{name}: {model:?}");
     }
     let method = CoupledParams::new(vec![[0.2; 3]]);
     let open = broken(method.clone(), WorldGuard::Off);
@@ -208,15 +208,15 @@ struct Target {
 }
 
 impl Target {
-    fn new(method: &WorldMethod, told: usize, untold: usize, guard: WorldGuard) -> Self {
+    fn new(method: &WorldMethod, model: usize, unmodelled: usize, guard: WorldGuard) -> Self {
         let period = 0.002;
-        let in_loop = WorldLoop::new(period)
-            .with_actuation(Actuation::after_samples(told, period))
+        let loop_params = WorldLoop::new(period)
+            .with_actuation(Actuation::after_samples(model, period))
             .with_guard(guard);
         Self {
-            renderer: WorldRenderer::new(&crowd(), in_loop, method.clone()).unwrap(),
+            renderer: WorldRenderer::new(&crowd(), loop_params, method.clone()).unwrap(),
             period,
-            delay: told + untold,
+            delay: model + unmodelled,
         }
     }
 
@@ -231,7 +231,7 @@ impl Target {
         let (mut work, mut most, mut acted) = (0.0, f64::NEG_INFINITY, 0);
         for next in moves {
             let q = turned.quaternion();
-            let turns: [Quaternion; 2] = [[q.w, q.i, q.j, q.k], palpate_world::NOT_TURNED];
+            let turns: [Quaternion; 2] = [[q.w, q.i, q.j, q.k], palpate_world::IDENTITY];
             let sample = Sample::at(&positions).turned(&turns);
             let output = self.renderer.step(&mut state, &sample);
             if output.fault.is_some() {
@@ -327,10 +327,10 @@ fn in_the_crowd() -> [(&'static str, WorldMethod); 3] {
 #[test]
 fn nobody_takes_out_of_a_world_more_than_there_is_and_the_allowance() {
     for (name, method) in in_the_crowd() {
-        for (told, untold) in [(0, 0), (2, 0), (1, 2)] {
-            let limit = WorldGuard::Limit(guard(ALLOWANCE, untold));
-            let (taken, acted) = Target::new(&method, told, untold, limit).attacked(17);
-            println!("{name}, delay {told} + {untold}: {taken:.6} J, acted {acted} times");
+        for (model, unmodelled) in [(0, 0), (2, 0), (1, 2)] {
+            let limit = WorldGuard::Limit(guard(ALLOWANCE, unmodelled));
+            let (taken, acted) = Target::new(&method, model, unmodelled, limit).attacked(17);
+            println!("{name}, delay {model} + {unmodelled}: {taken:.6} J, acted {acted} times");
             assert!(taken <= ALLOWANCE * (1.0 + 1e-9), "{name}: {taken} J");
             assert!(acted > 0, "{name}");
         }
@@ -354,9 +354,9 @@ fn a_lost_sample_gives_nobody_anything() {
     let method = WorldMethod::from(BasicParams::default());
     let limit = WorldGuard::Limit(guard(0.02, 0));
     let period = 1e-3;
-    let in_loop = WorldLoop::new(period).with_guard(limit);
+    let loop_params = WorldLoop::new(period).with_guard(limit);
     let law = ContactLaw::spring(1000.0);
-    let renderer = WorldRenderer::new(&corner(law), in_loop, method).unwrap();
+    let renderer = WorldRenderer::new(&corner(law), loop_params, method).unwrap();
     let mut state = renderer.start();
     let at = |depth: f64| [[0.1, 0.0, 0.005 - depth]];
     let force = |state: &mut WorldState, depth: f64| {
@@ -408,9 +408,9 @@ fn a_guard_of_a_world_without_meaning_is_refused() {
         (WorldGuardParams { late: 9, ..good }, "guard.late"),
     ] {
         for guard in [WorldGuard::Report(params), WorldGuard::Limit(params)] {
-            let in_loop = WorldLoop::new(1e-3).with_guard(guard);
+            let loop_params = WorldLoop::new(1e-3).with_guard(guard);
             let world = corner(ContactLaw::spring(1000.0));
-            let refused = WorldRenderer::new(&world, in_loop, BasicParams::default());
+            let refused = WorldRenderer::new(&world, loop_params, BasicParams::default());
             let faults = refused.unwrap_err();
             assert_eq!(
                 (faults[0].part, faults[0].field.name()),
@@ -434,8 +434,8 @@ fn what_comes_in_along_an_axis_without_a_motor_is_not_there_for_the_hand() {
     let mut given = [0.0_f64; 2];
     let guards = [WorldGuard::Off, WorldGuard::Limit(guard(allowance, 0))];
     for (given, guard) in given.iter_mut().zip(guards) {
-        let in_loop = WorldLoop::new(1e-3).with_guard(guard);
-        let renderer = WorldRenderer::new(&world, in_loop, BasicParams::default()).unwrap();
+        let loop_params = WorldLoop::new(1e-3).with_guard(guard);
+        let renderer = WorldRenderer::new(&world, loop_params, BasicParams::default()).unwrap();
         let mut state = renderer.start();
         // The tool is just outside.
         let (mut place, mut work) = ([0.0, 0.0, 0.0063], 0.0);

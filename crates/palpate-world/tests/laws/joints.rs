@@ -181,7 +181,7 @@ fn two_blocks_on_a_joint_keep_momentum_and_angular_momentum_and_without_damping_
                 vec![joint(kind, Some("other"), [0.03, 0.0, 0.0], axis, law)],
             );
             let (before, start) = (momenta(&state, &of_bodies), energy(&state));
-            let stored = state.books().joints[0].stored;
+            let stored = state.ledger().joints[0].stored;
             let (mut worst, mut drift, mut last) = (0.0_f64, 0.0_f64, 0.0);
             for _ in 0..400 {
                 leave_alone(&renderer, &mut state, 1);
@@ -189,22 +189,24 @@ fn two_blocks_on_a_joint_keep_momentum_and_angular_momentum_and_without_damping_
                     worst = worst.max((a - b).abs());
                 }
                 drift = drift.max((energy(&state) / start - 1.0).abs());
-                let book = state.books().joints[0];
-                assert!(book.dissipated >= last);
-                last = book.dissipated;
+                let entry = state.ledger().joints[0];
+                assert!(entry.dissipated >= last);
+                last = entry.dissipated;
             }
-            let book = state.books().joints[0];
-            let off = book.stored - stored + book.work + book.dissipated - book.step_error;
+            let entry = state.ledger().joints[0];
+            let off = entry.stored - stored + entry.work + entry.dissipated - entry.step_error;
             println!(
                 "{kind:?}, damping {damped}: momenta to {worst:.1e}, energy to {drift:.1e}, {:.1e} J dissipated, book off by \
                  {off:.1e}",
-                book.dissipated
+                entry.dissipated
             );
             assert!(worst < 1e-13 && off.abs() < 1e-15, "{worst} {off}");
             if damped > 0.0 {
-                assert!(book.dissipated > 1e-4 && book.step_error.abs() < 1e-2 * book.dissipated);
+                assert!(
+                    entry.dissipated > 1e-4 && entry.step_error.abs() < 1e-2 * entry.dissipated
+                );
             } else {
-                assert!(drift < 1e-3 && book.dissipated == 0.0, "{drift}");
+                assert!(drift < 1e-3 && entry.dissipated == 0.0, "{drift}");
             }
         }
     }
@@ -243,9 +245,9 @@ fn a_button_pressed_for_a_minute_does_not_creep() {
         }],
     };
     let mass = [0.1, 0.16, 0.25];
-    let told = CoupledParams::new(vec![mass.map(|mass| 1.5 * mass)]).with_encoder_quantum(2e-6);
+    let model = CoupledParams::new(vec![mass.map(|mass| 1.5 * mass)]).with_encoder_quantum(2e-6);
     let period = 0.004;
-    let renderer = WorldRenderer::new(&world, WorldLoop::new(period), told).unwrap();
+    let renderer = WorldRenderer::new(&world, WorldLoop::new(period), model).unwrap();
     let mut state = renderer.start();
     let none = Law {
         stiffness: 1.0,

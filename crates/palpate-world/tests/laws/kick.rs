@@ -16,8 +16,8 @@ fn floor() -> World {
 }
 
 fn renderer(world: &World, mass: f64, quantum: f64) -> WorldRenderer {
-    let told = CoupledParams::new(vec![[mass; 3]]).with_encoder_quantum(quantum);
-    WorldRenderer::new(world, WorldLoop::new(PERIOD), told).unwrap()
+    let model = CoupledParams::new(vec![[mass; 3]]).with_encoder_quantum(quantum);
+    WorldRenderer::new(world, WorldLoop::new(PERIOD), model).unwrap()
 }
 
 /// Returns the forces along z on a tool with a prescribed path.
@@ -63,7 +63,7 @@ fn pressed(
     let renderer = renderer(&floor(), 0.2, 0.0);
     let mut state = renderer.start();
     let (mut position, mut velocity, mut force, mut since) = (RADIUS + 0.005, 0.0_f64, 0.0, 0.0);
-    let mut told = Vec::new();
+    let mut model = Vec::new();
     for sample in 0..samples {
         since += PERIOD;
         if !is_lost(sample) {
@@ -78,23 +78,23 @@ fn pressed(
             velocity += (force - 3.0 - 1.5 * velocity) / 0.2 * step;
             position += velocity * step;
         }
-        told.push((RADIUS - position, force));
+        model.push((RADIUS - position, force));
     }
-    told
+    model
 }
 
 #[test]
 fn a_sample_that_is_wrong_once_is_over_with_the_next_ones() {
     for jump in [1e-4, -1e-4, 1e-3, -1e-3, 5e-3] {
-        let told = pressed(
+        let model = pressed(
             |sample, at| if sample == 2000 { at + jump } else { at },
             |_| false,
             4000,
         );
-        let (depth, force) = told[3999];
+        let (depth, force) = model[3999];
         assert!((force - 3.0).abs() < 0.05, "{jump} m: {force} N");
         assert!((depth - 1e-3).abs() < 1.5e-4, "{jump} m: {depth} m deep");
-        let shaken = told[2050..].iter().map(|(_, force)| (force - 3.0).abs());
+        let shaken = model[2050..].iter().map(|(_, force)| (force - 3.0).abs());
         assert!(shaken.fold(0.0, f64::max) < 1.0, "{jump} m");
     }
 }
@@ -102,18 +102,18 @@ fn a_sample_that_is_wrong_once_is_over_with_the_next_ones() {
 #[test]
 fn a_floor_comes_back_to_its_place_after_missing_samples() {
     // The device falls into the floor while no sample arrives.
-    let told = pressed(
+    let model = pressed(
         |_, at| at,
         |sample| (30..60).contains(&sample) && sample % 8 != 0,
         12_000,
     );
-    let deep = told[11_999].0;
+    let deep = model[11_999].0;
     assert!((deep - 1e-3).abs() < 6e-4, "{deep} m deep");
     let mut furthest = 0.0_f64;
     for first in 18..32 {
         let is_lost = |sample: u32| (first..first + 12).contains(&sample);
-        let told = pressed(|_, at| at, is_lost, 12_000);
-        let [early, late] = [500, 11_999].map(|sample: usize| (told[sample].0 - 1e-3).abs());
+        let model = pressed(|_, at| at, is_lost, 12_000);
+        let [early, late] = [500, 11_999].map(|sample: usize| (model[sample].0 - 1e-3).abs());
         furthest = furthest.max(early);
         assert!(
             late < 6e-4,
@@ -130,8 +130,8 @@ fn a_pose_that_is_wrong_once_is_over_with_the_next_ones() {
     let half_extents = [0.03, 0.02, 0.01];
     let mut world = world(RADIUS, vec![plane("floor", [0.0, 0.0, 1.0])], law);
     world.tools = vec![Tool::new("tool", Shape::Box { half_extents }).turning()];
-    let told = CoupledParams::new(vec![[0.2; 3]]).with_device_inertia(vec![[4e-5, 8e-5, 1e-4]]);
-    let renderer = WorldRenderer::new(&world, WorldLoop::new(PERIOD), told).unwrap();
+    let model = CoupledParams::new(vec![[0.2; 3]]).with_device_inertia(vec![[4e-5, 8e-5, 1e-4]]);
+    let renderer = WorldRenderer::new(&world, WorldLoop::new(PERIOD), model).unwrap();
     for (jump, turn) in [(1e-4, 0.0), (0.0, 0.005), (0.0, 0.02), (-2e-4, -0.01)] {
         let mut state = renderer.start();
         let mut largest = [0.0_f64; 2];

@@ -6,7 +6,7 @@ use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, PlacedShape, Stepping,
 };
 use palpate_world::{
-    ContactLaw, CoupledParams, NOT_TURNED, Sample, Shape, Tool, Vector, WorldLoop, WorldRenderer,
+    ContactLaw, CoupledParams, IDENTITY, Sample, Shape, Tool, Vector, WorldLoop, WorldRenderer,
 };
 
 use crate::common::{plane, world};
@@ -162,13 +162,14 @@ fn by_engine(ticks: &Ticks) -> Settled {
                 offset: 0.0,
             },
             position: [0.0; 3],
-            orientation: NOT_TURNED,
+            orientation: IDENTITY,
         }],
         law: law(),
     };
-    let in_loop = WorldLoop::new(PERIOD);
+    let loop_params = WorldLoop::new(PERIOD);
     let stepping = Stepping::EndVelocity;
-    let renderer = EngineRenderer::new(&[tool()], &[floor], stepping, in_loop, params()).unwrap();
+    let renderer =
+        EngineRenderer::new(&[tool()], &[floor], stepping, loop_params, params()).unwrap();
     let mut state = renderer.start();
     let mut wrenches = [BodyWrench::default()];
     pressed(ticks, |sample| {

@@ -215,8 +215,8 @@ fn a_contact_that_begins_inside_comes_in_and_its_energy_is_from_outside() {
         assert_eq!((slot, contact.tool, contact.body), (number, 0, 0));
         assert!((contact.force[2] - 2.0).abs() < 1e-9 && contact.normal == UP);
     }
-    let books = led.state.books();
-    let second = books.contacts[1];
+    let ledger = led.state.ledger();
+    let second = ledger.contacts[1];
     assert!(
         (second.outside - 0.5 * 1000.0 * 0.002_f64.powi(2)).abs() < 1e-12,
         "{second:?}"
@@ -430,19 +430,20 @@ fn body_and_device_get_the_same_impulse_and_the_books_close() {
             position[axis] += PERIOD * (velocity[axis] + 0.5 * PERIOD * a);
             velocity[axis] += PERIOD * a;
         }
-        let books = state.books();
-        let [book] = books.contacts else {
+        let ledger = state.ledger();
+        let [entry] = ledger.contacts else {
             panic!("one contact");
         };
-        let left = book.observed + book.outside - book.work - book.dissipated + book.step_error;
-        assert!((book.stored - left).abs() < 1e-12, "{sample}: {book:?}");
+        let left =
+            entry.observed + entry.outside - entry.work - entry.dissipated + entry.step_error;
+        assert!((entry.stored - left).abs() < 1e-12, "{sample}: {entry:?}");
         // All energy known to the tick: given to hand and host, stored, and dissipated.
-        let work_on_copy = book.work - book.work_on_avatar;
-        let port = books.slow_ports[0];
-        let ports = books.devices[0].port_work + port.host_work;
-        let balance = ports + book.stored + book.dissipated + work_on_copy - port.work;
+        let work_on_copy = entry.work - entry.work_on_proxy;
+        let port = ledger.slow_ports[0];
+        let ports = ledger.devices[0].port_work + port.host_work;
+        let balance = ports + entry.stored + entry.dissipated + work_on_copy - port.work;
         assert!(
-            (books.created() - balance).abs() < 1e-12,
+            (ledger.created() - balance).abs() < 1e-12,
             "{sample}: {balance}"
         );
     }
@@ -452,12 +453,12 @@ fn body_and_device_get_the_same_impulse_and_the_books_close() {
     println!("{given} N s to the ball, {held} N s to the device, {effort:?}");
     assert!(given > 0.05, "{given}");
     assert!((held + given).abs() < 0.02 * given, "{held} {given}");
-    let books = state.books();
-    println!("{books:?}: {} J", books.created());
-    let turned_over = books.slow_ports[0].work.abs();
+    let ledger = state.ledger();
+    println!("{ledger:?}: {} J", ledger.created());
+    let turned_over = ledger.slow_ports[0].work.abs();
     // A host's ball pushed by the mean force takes less energy than the copy: energy is lost, not generated.
-    assert!(turned_over > 1e-3, "{books:?}");
-    assert!(books.created() < 0.01 * turned_over, "{books:?}");
+    assert!(turned_over > 1e-3, "{ledger:?}");
+    assert!(ledger.created() < 0.01 * turned_over, "{ledger:?}");
 }
 
 /// A host that displaces its body does not kick the hand.
@@ -499,7 +500,7 @@ fn a_body_that_the_host_puts_elsewhere_makes_no_step() {
     let (slot, touched) = state.contacts().next().unwrap();
     assert_eq!((slot, touched.tool, touched.body), (0, 0, 0));
     assert!(largest < 0.16, "{largest}");
-    let book = state.books().contacts[0];
+    let entry = state.ledger().contacts[0];
     let lost = 0.5 * 1000.0 * (0.002_f64.powi(2) - 0.0005_f64.powi(2));
-    assert!((book.outside + lost).abs() < 1e-9, "{book:?}");
+    assert!((entry.outside + lost).abs() < 1e-9, "{entry:?}");
 }

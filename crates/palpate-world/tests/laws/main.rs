@@ -5,7 +5,6 @@
 
 mod adversary;
 mod balance;
-mod books;
 mod boxes;
 mod capsules;
 mod changes;
@@ -20,7 +19,6 @@ mod engine_sub_steps;
 mod far_side;
 mod floor;
 mod god_object;
-mod going_on;
 mod grasp;
 mod guard;
 mod held;
@@ -30,8 +28,10 @@ mod joints;
 mod kick;
 mod late_copies;
 mod late_ticks;
+mod ledger;
 mod local;
 mod meshes;
+mod migration;
 mod orientations;
 mod refusals;
 mod resting;

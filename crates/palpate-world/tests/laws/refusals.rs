@@ -31,8 +31,12 @@ fn a_world() -> World {
     }
 }
 
-fn faults(world: &World, in_loop: WorldLoop, method: impl Into<WorldMethod>) -> Vec<WorldError> {
-    WorldRenderer::new(world, in_loop, method)
+fn faults(
+    world: &World,
+    loop_params: WorldLoop,
+    method: impl Into<WorldMethod>,
+) -> Vec<WorldError> {
+    WorldRenderer::new(world, loop_params, method)
         .map(|_| ())
         .unwrap_err()
 }
@@ -40,21 +44,21 @@ fn faults(world: &World, in_loop: WorldLoop, method: impl Into<WorldMethod>) -> 
 #[test]
 fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not() {
     let mut world = a_world();
-    let in_loop = WorldLoop::new(0.001);
-    assert!(WorldRenderer::new(&world, in_loop.clone(), BasicParams::default()).is_ok());
+    let loop_params = WorldLoop::new(0.001);
+    assert!(WorldRenderer::new(&world, loop_params.clone(), BasicParams::default()).is_ok());
     world.contacts[0].between = [Party::Any, Party::Any];
-    assert!(WorldRenderer::new(&world, in_loop.clone(), BasicParams::default()).is_ok());
+    assert!(WorldRenderer::new(&world, loop_params.clone(), BasicParams::default()).is_ok());
     let [radius, half_length] = [0.01, 0.01];
     world.bodies[2].shape = Shape::Capsule {
         radius,
         half_length,
     };
-    assert!(WorldRenderer::new(&world, in_loop.clone(), BasicParams::default()).is_ok());
+    assert!(WorldRenderer::new(&world, loop_params.clone(), BasicParams::default()).is_ok());
     world.bodies[2].shape = Shape::Cylinder {
         radius,
         half_length,
     };
-    assert!(WorldRenderer::new(&world, in_loop.clone(), BasicParams::default()).is_ok());
+    assert!(WorldRenderer::new(&world, loop_params.clone(), BasicParams::default()).is_ok());
     let corners = [
         [0.0; 3],
         [0.01, 0.0, 0.0],
@@ -63,7 +67,7 @@ fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not(
     ];
     let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
     world.bodies[2].shape = Shape::Mesh(Mesh::new(&corners, &faces).unwrap().into());
-    let faults = faults(&world, in_loop, BasicParams::default());
+    let faults = faults(&world, loop_params, BasicParams::default());
     assert_eq!(faults.len(), 1, "{faults:?}");
     assert_eq!(
         faults[0].to_string(),
@@ -122,7 +126,7 @@ fn a_tool_that_is_a_hull_and_more_points_than_fit_are_refused() {
 #[test]
 fn every_parameter_of_loop_and_method_outside_its_range_is_said() {
     let world = a_world();
-    let in_loop = WorldLoop {
+    let loop_params = WorldLoop {
         period: -1.0,
         largest_gap: None,
         speed_limit: Some(0.0),
@@ -146,7 +150,7 @@ fn every_parameter_of_loop_and_method_outside_its_range_is_said() {
         },
         ..CoupledParams::new(Vec::new())
     };
-    let said: Vec<_> = faults(&world, in_loop, method)
+    let said: Vec<_> = faults(&world, loop_params, method)
         .iter()
         .map(|fault| fault.field.name())
         .collect();
@@ -170,8 +174,8 @@ fn every_parameter_of_loop_and_method_outside_its_range_is_said() {
 #[test]
 fn an_actuation_outside_its_range_is_refused() {
     let actuation = Actuation::after(0.1).with_gain(0.0);
-    let in_loop = WorldLoop::new(0.001).with_actuation(actuation);
-    let refused = faults(&a_world(), in_loop, BasicParams::default());
+    let loop_params = WorldLoop::new(0.001).with_actuation(actuation);
+    let refused = faults(&a_world(), loop_params, BasicParams::default());
     let fields: Vec<_> = refused.iter().map(|fault| fault.field.name()).collect();
     assert_eq!(fields, ["actuation"; 2], "{refused:?}");
 }
@@ -180,16 +184,16 @@ fn an_actuation_outside_its_range_is_refused() {
 fn a_tool_that_turns_needs_an_inertia() {
     let mut world = a_world();
     world.tools[0].turns = true;
-    let told = |inertia| CoupledParams::new(vec![[0.1; 3]]).with_device_inertia(inertia);
+    let model = |inertia| CoupledParams::new(vec![[0.1; 3]]).with_device_inertia(inertia);
     for inertia in [
         vec![],
         vec![[1e-4, 0.0, 1e-4]],
         vec![[1e-4, f64::INFINITY, 1e-4]],
     ] {
-        let refused = faults(&world, WorldLoop::new(0.001), told(inertia));
+        let refused = faults(&world, WorldLoop::new(0.001), model(inertia));
         assert_eq!(refused[0].field.name(), "device_inertia", "{refused:?}");
     }
-    let coupled = told(vec![[1e-4; 3]]);
+    let coupled = model(vec![[1e-4; 3]]);
     assert!(WorldRenderer::new(&world, WorldLoop::new(0.001), coupled).is_ok());
 }
 
@@ -215,8 +219,8 @@ fn what_is_too_large_or_too_small_to_reckon_with_is_refused() {
     world.contacts[0].law.stiffness = 1e300;
     world.bodies[0].position = [0.0, -1e13, 0.0];
     let mut said = faults(&world, WorldLoop::new(0.001), BasicParams::default());
-    let in_loop = WorldLoop::new(1e-21);
-    said.extend(faults(&a_world(), in_loop, BasicParams::default()));
+    let loop_params = WorldLoop::new(1e-21);
+    said.extend(faults(&a_world(), loop_params, BasicParams::default()));
     for words in [
         "stiffness is 1e300, and has to be at most 1e12",
         "position is -10000000000000, and has to be at least -1e12",
@@ -231,7 +235,7 @@ fn what_is_too_large_or_too_small_to_reckon_with_is_refused() {
 
 #[test]
 fn what_is_infinite_and_has_to_be_finite_is_said_so() {
-    let in_loop = WorldLoop {
+    let loop_params = WorldLoop {
         guard: WorldGuard::Limit(WorldGuardParams {
             largest_speed: 1.0,
             largest_turning: 10.0,
@@ -241,7 +245,7 @@ fn what_is_infinite_and_has_to_be_finite_is_said_so() {
         ..WorldLoop::new(f64::INFINITY)
     };
     let mut world = a_world();
-    let mut said = faults(&world, in_loop, BasicParams::default());
+    let mut said = faults(&world, loop_params, BasicParams::default());
     world.contacts[0].law.stiffness = f64::INFINITY;
     let finite = WorldLoop::new(0.001);
     said.extend(faults(&world, finite, BasicParams::default()));

@@ -278,11 +278,11 @@ pub fn errors_with(
     method: impl Into<WorldMethod>,
 ) -> [f64; 3] {
     let steps = if period > 0.002 { 4000 } else { 1000 };
-    let in_loop = WorldLoop {
+    let loop_params = WorldLoop {
         sub_steps,
         ..WorldLoop::new(period)
     };
-    let renderer = WorldRenderer::new(&as_world(case), in_loop, method).unwrap();
+    let renderer = WorldRenderer::new(&as_world(case), loop_params, method).unwrap();
     let mut state = renderer.start();
     let (mut ideal, mut device) = (case.rigid.clone(), case.rigid.clone());
     let (mut off, mut all) = ([0.0; 2], [0.0; 2]);
@@ -378,22 +378,22 @@ fn with_a_device_known_exactly_each_held_wrench_is_the_mean_of_the_ideal_one() {
 #[test]
 fn told_another_mass_and_inertia_it_is_near_that_mean() {
     for case in cases() {
-        let told = CoupledParams::new(vec![[1.5 * case.rigid.mass; 3]])
+        let model = CoupledParams::new(vec![[1.5 * case.rigid.mass; 3]])
             .with_device_inertia(vec![case.rigid.moments.map(|moment| 0.7 * moment)]);
         let quanta = (2e-5, 4e-4);
-        let coarse = told
+        let coarse = model
             .clone()
             .with_encoder_quantum(quanta.0)
             .with_angle_quantum(quanta.1);
         let coarse = errors_with(&case, quanta, 0.001, SubSteps::default(), coarse);
-        let told = errors(&case, 0.001, SubSteps::default(), told);
+        let model = errors(&case, 0.001, SubSteps::default(), model);
         let basic = errors(&case, 0.001, SubSteps::default(), BasicParams::default());
         println!(
-            "{}: E told wrong {told:.2?} %, with sensors of 20 um and 0.02 degrees {coarse:.2?} %, sampled spring {basic:.0?} %",
+            "{}: E told wrong {model:.2?} %, with sensors of 20 um and 0.02 degrees {coarse:.2?} %, sampled spring {basic:.0?} %",
             case.name
         );
-        assert!(told[0] < 1.0, "{told:?}");
-        assert!(basic[0] > 20.0 * told[0], "{basic:?}");
+        assert!(model[0] < 1.0, "{model:?}");
+        assert!(basic[0] > 20.0 * model[0], "{basic:?}");
     }
 }
 
@@ -419,7 +419,7 @@ pub fn on_a_ball() -> (World, Rigid) {
 fn every_identity_of_the_books_holds_to_rounding_for_six_axes() {
     let mass = [0.15; 3];
     let moments = [9.4e-5, 1.7e-4, 2e-4];
-    let told = CoupledParams::new(vec![mass.map(|m| 1.5 * m)])
+    let model = CoupledParams::new(vec![mass.map(|m| 1.5 * m)])
         .with_device_inertia(vec![moments.map(|m| 0.7 * m)])
         .with_encoder_quantum(2e-6)
         .with_angle_quantum(3e-5);
@@ -437,17 +437,17 @@ fn every_identity_of_the_books_holds_to_rounding_for_six_axes() {
     let methods: [WorldMethod; 4] = [
         BasicParams::default().into(),
         coupling.into(),
-        told.into(),
+        model.into(),
         known.into(),
     ];
     for (number, method) in methods.into_iter().enumerate() {
         let name = method.name();
         for limits in [vec![], vec![0.01]] {
             let (world, mut device) = on_a_ball();
-            let in_loop = WorldLoop::new(0.001).with_torque_limits(limits.clone());
-            let renderer = WorldRenderer::new(&world, in_loop, method.clone()).unwrap();
+            let loop_params = WorldLoop::new(0.001).with_torque_limits(limits.clone());
+            let renderer = WorldRenderer::new(&world, loop_params, method.clone()).unwrap();
             let mut state = renderer.start();
-            let at_start: f64 = state.books().bodies.iter().map(|it| it.kinetic).sum();
+            let at_start: f64 = state.ledger().bodies.iter().map(|it| it.kinetic).sum();
             let mut limited = 0;
             for _ in 0..200 {
                 let (position, orientation) = device.pose();
@@ -462,16 +462,16 @@ fn every_identity_of_the_books_holds_to_rounding_for_six_axes() {
                 device.interval(0.001, 64, Some(held));
             }
             assert_eq!(limited > 0, !limits.is_empty());
-            let books = state.books();
-            let sum = |of: fn(&palpate_world::ContactBook) -> f64| -> f64 {
-                books.contacts.iter().map(of).sum()
+            let ledger = state.ledger();
+            let sum = |of: fn(&palpate_world::ContactLedger) -> f64| -> f64 {
+                ledger.contacts.iter().map(of).sum()
             };
-            let bodies = books.bodies.iter().map(|it| it.kinetic + it.potential);
+            let bodies = ledger.bodies.iter().map(|it| it.kinetic + it.potential);
             let step_errors =
-                sum(|it| it.step_error) + books.bodies.iter().map(|it| it.step_error).sum::<f64>();
+                sum(|it| it.step_error) + ledger.bodies.iter().map(|it| it.step_error).sum::<f64>();
             let a = bodies.sum::<f64>() - at_start + sum(|it| it.stored) + sum(|it| it.dissipated)
-                - (sum(|it| it.observed) - sum(|it| it.work_on_avatar) + step_errors);
-            let port = books.devices[0];
+                - (sum(|it| it.observed) - sum(|it| it.work_on_proxy) + step_errors);
+            let port = ledger.devices[0];
             let b = port.held - sum(|it| it.held) + port.port_work - port.held - port.unforeseen;
             let c = sum(|it| it.leak()) - (port.offset - port.velocity_offset + port.unpaid);
             let turned_over = sum(|it| it.work.abs() + it.held.abs());
@@ -483,7 +483,7 @@ fn every_identity_of_the_books_holds_to_rounding_for_six_axes() {
                 c / turned_over,
                 sum(|it| it.leak()),
             );
-            assert!(books.contacts.iter().all(|it| it.dissipated >= 0.0));
+            assert!(ledger.contacts.iter().all(|it| it.dissipated >= 0.0));
             assert!(turned_over > 1e-3);
             assert!(a.abs() < 1e-10 * turned_over && b.abs() < 1e-10 * turned_over);
             assert!(step_errors.abs() < 2e-3 * turned_over);

@@ -111,9 +111,9 @@ pub fn conserves(what: &str, pairs: impl IntoIterator<Item = [Body; 2]>, least_h
         let renderer = renderer(&world(0.005, bodies.into(), ContactLaw::spring(8000.0)));
         let mut state = renderer.start();
         let energy = |state: &WorldState| {
-            let books = state.books();
-            let kinetic: f64 = books.bodies.iter().map(|book| book.kinetic).sum();
-            let stored: f64 = books.contacts.iter().map(|book| book.stored).sum();
+            let ledger = state.ledger();
+            let kinetic: f64 = ledger.bodies.iter().map(|entry| entry.kinetic).sum();
+            let stored: f64 = ledger.contacts.iter().map(|entry| entry.stored).sum();
             (kinetic + stored, stored)
         };
         let (before, (at_start, _)) = (momenta(&state, &of_bodies), energy(&state));

@@ -2,8 +2,8 @@
 //! each held force is the interval mean of the ideal one, in which no contact rotates the tool.
 
 use palpate_world::{
-    BasicParams, Books, ContactBook, ContactLaw, CoupledParams, DeviceBook, Limited, Prior,
-    Quaternion, Sample, SubSteps, Tool, Vector, VirtualCouplingParams, World, WorldGuard,
+    BasicParams, ContactLaw, ContactLedger, CoupledParams, DeviceLedger, EnergyLedger, Limited,
+    Prior, Quaternion, Sample, SubSteps, Tool, Vector, VirtualCouplingParams, World, WorldGuard,
     WorldGuardParams, WorldLoop, WorldMethod, WorldPart, WorldRenderer, WorldState,
 };
 
@@ -40,20 +40,20 @@ fn with_a_device_known_exactly_each_held_force_is_the_mean_of_the_ideal_one() {
 #[test]
 fn told_another_mass_and_inertia_it_is_near_that_mean() {
     for case in cases() {
-        let told = CoupledParams::new(vec![[1.5 * case.rigid.mass; 3]])
+        let model = CoupledParams::new(vec![[1.5 * case.rigid.mass; 3]])
             .with_device_inertia(vec![case.rigid.moments.map(|moment| 0.7 * moment)]);
         let quanta = (2e-5, 4e-4);
-        let coarse = told
+        let coarse = model
             .clone()
             .with_encoder_quantum(quanta.0)
             .with_angle_quantum(quanta.1);
         let coarse = errors_with(&case, quanta, 0.001, SubSteps::default(), coarse)[1];
-        let told = errors(&case, 0.001, SubSteps::default(), told)[1];
+        let model = errors(&case, 0.001, SubSteps::default(), model)[1];
         println!(
-            "{}: E told wrong {told:.3} %, with sensors of 20 um and 0.02 degrees {coarse:.2} %",
+            "{}: E told wrong {model:.3} %, with sensors of 20 um and 0.02 degrees {coarse:.2} %",
             case.name
         );
-        assert!(told < 1.0, "{told}");
+        assert!(model < 1.0, "{model}");
         assert!(coarse < 10.0, "{coarse}");
     }
 }
@@ -70,7 +70,7 @@ fn coupling() -> VirtualCouplingParams {
 
 fn methods() -> [WorldMethod; 4] {
     let (mass, moments) = ([0.15; 3], [9.4e-5, 1.7e-4, 2e-4]);
-    let told = CoupledParams::new(vec![mass.map(|m| 1.5 * m)])
+    let model = CoupledParams::new(vec![mass.map(|m| 1.5 * m)])
         .with_device_inertia(vec![moments.map(|m| 0.7 * m)])
         .with_encoder_quantum(2e-6)
         .with_angle_quantum(3e-5);
@@ -84,22 +84,22 @@ fn methods() -> [WorldMethod; 4] {
         }
         .into(),
         coupling().into(),
-        told.into(),
+        model.into(),
         known.into(),
     ]
 }
 
 /// Returns the residuals of the ledger identities: of the world, of the port, and of the leak.
-fn off(books: &Books, at_start: f64) -> [f64; 3] {
-    let sum = |of: fn(&ContactBook) -> f64| -> f64 { books.contacts.iter().map(of).sum() };
-    let bodies: f64 = books
+fn off(ledger: &EnergyLedger, at_start: f64) -> [f64; 3] {
+    let sum = |of: fn(&ContactLedger) -> f64| -> f64 { ledger.contacts.iter().map(of).sum() };
+    let bodies: f64 = ledger
         .bodies
         .iter()
         .map(|it| it.kinetic + it.potential)
         .sum();
     let step_errors =
-        sum(|it| it.step_error) + books.bodies.iter().map(|it| it.step_error).sum::<f64>();
-    let DeviceBook {
+        sum(|it| it.step_error) + ledger.bodies.iter().map(|it| it.step_error).sum::<f64>();
+    let DeviceLedger {
         port_work,
         carried,
         held,
@@ -108,11 +108,11 @@ fn off(books: &Books, at_start: f64) -> [f64; 3] {
         velocity_offset,
         unpaid,
         ..
-    } = books.devices[0];
+    } = ledger.devices[0];
     let world = bodies - at_start + sum(|it| it.stored) + sum(|it| it.dissipated)
-        - (sum(|it| it.observed) - sum(|it| it.work_on_avatar) + step_errors);
+        - (sum(|it| it.observed) - sum(|it| it.work_on_proxy) + step_errors);
     let port = (held - sum(|it| it.held)).abs() + (port_work + carried - held - unforeseen).abs();
-    let leak = sum(ContactBook::leak) - (offset - velocity_offset + unpaid);
+    let leak = sum(ContactLedger::leak) - (offset - velocity_offset + unpaid);
     [world, port, leak]
 }
 
@@ -128,7 +128,7 @@ fn the_books_balance_and_no_torque_is_sent() {
         device.hand[1] = [0.002, 0.0015, 0.001];
         let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
         let mut state = renderer.start();
-        let at_start: f64 = state.books().bodies.iter().map(|it| it.kinetic).sum();
+        let at_start: f64 = state.ledger().bodies.iter().map(|it| it.kinetic).sum();
         for _ in 0..200 {
             let (position, orientation) = device.pose();
             let (position, orientation) = ([position], [orientation]);
@@ -141,23 +141,23 @@ fn the_books_balance_and_no_torque_is_sent() {
             renderer.report_sent_torque(&mut state, 0, [0.1, 0.2, 0.3]);
             device.interval(0.001, 64, Some(held));
         }
-        let books = state.books();
-        let each = books.contacts.iter();
+        let ledger = state.ledger();
+        let each = ledger.contacts.iter();
         let turned_over: f64 = each.map(|it| it.work.abs() + it.held.abs()).sum();
-        let off = off(books, at_start).map(|off| off / turned_over);
-        let carried = books.devices[0].carried;
+        let off = off(ledger, at_start).map(|off| off / turned_over);
+        let carried = ledger.devices[0].carried;
         println!(
             "{name}: of {turned_over:.4} J the books are off by [{:.1e}, {:.1e}, {:.1e}]; the hand's turning {:.4} J, leak {:.1e} J",
             off[0],
             off[1],
             off[2],
             -carried,
-            books.created()
+            ledger.created()
         );
         assert!(turned_over > 1e-3);
         // The hand really rotates the box against the touched bodies.
         assert!(carried.abs() > 1e-3 * turned_over, "{carried}");
-        assert!(books.contacts.iter().all(|it| it.dissipated >= 0.0));
+        assert!(ledger.contacts.iter().all(|it| it.dissipated >= 0.0));
         assert!(off[0].abs() < 1e-12 && off[1].abs() < 1e-12, "{off:?}");
         if number >= 2 {
             assert!(off[2].abs() < 1e-12, "{off:?}");
@@ -185,8 +185,8 @@ fn bar() -> World {
 /// lifting the energy that it put in by rotating. Returns the largest energy delivered to the hand, and how often the
 /// guard acted.
 fn taken(method: WorldMethod, guard: WorldGuard) -> (f64, u32, WorldState) {
-    let in_loop = WorldLoop::new(0.001).with_guard(guard);
-    let renderer = WorldRenderer::new(&bar(), in_loop, method).unwrap();
+    let loop_params = WorldLoop::new(0.001).with_guard(guard);
+    let renderer = WorldRenderer::new(&bar(), loop_params, method).unwrap();
     let mut state = renderer.start();
     let (mut work, mut most, mut acted) = (0.0_f64, 0.0_f64, 0);
     let mut force: Vector = [0.0; 3];
@@ -228,7 +228,7 @@ fn the_guard_does_not_count_what_the_hand_puts_in_by_turning() {
     for method in [BasicParams::default().into(), WorldMethod::from(coupled)] {
         let name = method.name();
         let (free, _, state) = taken(method.clone(), WorldGuard::Off);
-        let put_in = -state.books().devices[0].carried;
+        let put_in = -state.ledger().devices[0].carried;
         let (kept, acted, _) = taken(method, guard(0.02));
         println!(
             "{name}: {free:.3} J taken, {put_in:.3} J put in by turning; with 20 mJ {kept:.4} J, acting {acted} times"

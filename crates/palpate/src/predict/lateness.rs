@@ -36,7 +36,7 @@ const DOUBTS: f64 = 3.0;
 const MOST: f64 = 4.0;
 
 impl<S: Scalar> Lateness<S> {
-    /// Processes a sample, with the device's motion at the beginning of the interval of `h` `[s]` that it ends. `told`:
+    /// Processes a sample, with the device's motion at the beginning of the interval of `h` `[s]` that it ends. `model`:
     /// model standard deviation of the delay, above 0 `[s]`. Returns the change of the device's state at the sample
     /// that follows from the new estimate.
     pub fn learn(
@@ -45,7 +45,7 @@ impl<S: Scalar> Lateness<S> {
         device: &EstimatedMotion<S>,
         held: &Held<S>,
         h: S,
-        told: S,
+        model: S,
     ) -> [S; PARTS] {
         let mut answer = self.answer;
         for (entry, row) in answer.iter_mut().zip(&update.transition) {
@@ -60,14 +60,14 @@ impl<S: Scalar> Lateness<S> {
         let seen = answer[0];
         // An unknown part of the force also looks like lateness.
         let unsure = S::from_f64(UNSURE) * device.mobility * held.mean * h * h;
-        let variance = self.variance.unwrap_or(told * told);
+        let variance = self.variance.unwrap_or(model * model);
         let gain = variance * seen / (seen * seen * variance + update.variance + unsure * unsure);
         let drift = S::from_f64(DRIFT) * h;
         let left = (S::ONE - gain * seen) * variance + drift * drift;
         for (entry, by) in answer.iter_mut().zip(&update.gain) {
             *entry -= *by * seen;
         }
-        let most = S::from_f64(MOST) * told;
+        let most = S::from_f64(MOST) * model;
         // The innovation is relative to the lateness in use, not to the best estimate.
         let surprise = update.innovation - seen * (self.guess - self.mean);
         let guess = (self.guess + gain * surprise).within(most);
@@ -88,14 +88,14 @@ impl<S: Scalar> Lateness<S> {
         }
         self.mean = mean;
         self.guess = guess;
-        self.variance = Some(left.min(told * told));
+        self.variance = Some(left.min(model * model));
         self.answer = answer;
         answer.map(|entry| entry * learned)
     }
 
-    /// Returns the remaining standard deviation relative to the model value `told`, above 0 `[s]`: 1 at first.
-    pub fn remaining(&self, told: S) -> S {
-        self.variance.map_or(S::ONE, |left| left.sqrt() / told)
+    /// Returns the remaining standard deviation relative to the model value `model`, above 0 `[s]`: 1 at first.
+    pub fn remaining(&self, model: S) -> S {
+        self.variance.map_or(S::ONE, |left| left.sqrt() / model)
     }
 
     /// Clears the sensitivity, because the device was lost.

@@ -64,7 +64,7 @@ impl<S: Scalar> ObserverParams<S> {
             // The error is uniform within the quantum.
             measurement_variance: quantum * quantum * S::from_f64(1.0 / 12.0),
             jerk_variance: square(FIRST_JERK),
-            least_jerk_variance: square(LEAST_JERK),
+            least_jerk_variance: square(MIN_JERK),
         })
     }
 
@@ -158,10 +158,10 @@ const FINEST_QUANTUM: f64 = 1e-9;
 /// Initial standard deviation of a hand's jerk `[m/s^3]`.
 const FIRST_JERK: f64 = 50.0;
 /// Minimum standard deviation of the jerk `[m/s^3]`.
-const LEAST_JERK: f64 = 0.1;
+const MIN_JERK: f64 = 0.1;
 /// Maximum standard deviation of the jerk inferred from innovations `[m/s^3]`. Above it the filter would follow every
 /// quantum.
-const MOST_JERK: f64 = 2e4;
+const MAX_JERK: f64 = 2e4;
 /// Initial standard deviation of the velocity `[m/s]`.
 const FIRST_SPEED: f64 = 0.1;
 /// Initial standard deviation of the external acceleration `[m/s^2]`.
@@ -173,7 +173,7 @@ const FIRST_MOBILITY_CALIBRATED: f64 = 0.1;
 /// Initial standard deviation of lambda `[1/s]`: a hand of about 0.3 kg has a damping of 1 or 2 N s/m.
 const FIRST_DAMPING_RATE: f64 = 4.0;
 /// Limit of the estimate of lambda `[1/s]`.
-const MOST_DAMPING_RATE: f64 = 100.0;
+const MAX_DAMPING_RATE: f64 = 100.0;
 /// Lower limit of the estimated mass, relative to the model value.
 const LIGHTEST: f64 = 0.05;
 /// Upper limit of the estimated mass, relative to the model value: a device may be clamped.
@@ -296,13 +296,13 @@ impl<S: Scalar> Observer<S> {
             .measured(measurement_variance);
 
         let within = |x: S, least: S, most: S| x.min(most).max(least);
-        let told = params.mobility;
+        let model = params.mobility;
         let mobility = within(
             before.mobility + gain[3] * innovation,
-            told / S::from_f64(HEAVIEST),
-            told / S::from_f64(LIGHTEST),
+            model / S::from_f64(HEAVIEST),
+            model / S::from_f64(LIGHTEST),
         );
-        let most = S::from_f64(MOST_DAMPING_RATE);
+        let most = S::from_f64(MAX_DAMPING_RATE);
         let damping_rate = within(before.damping_rate + gain[4] * innovation, -most, most);
         if surprised {
             // The device may have been grabbed or released. A change of its mass changes the velocity, and the effect
@@ -336,7 +336,7 @@ impl<S: Scalar> Observer<S> {
             jerk_variance: within(
                 q * factor,
                 params.least_jerk_variance,
-                S::from_f64(MOST_JERK * MOST_JERK),
+                S::from_f64(MAX_JERK * MAX_JERK),
             ),
         };
         if !adapted.is_finite() {

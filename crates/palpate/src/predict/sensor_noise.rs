@@ -72,18 +72,18 @@ const OUTLIER: f64 = 10.0;
 /// Number of intervals from which the limit applies; before, the mean is unknown.
 const BEFORE_OUTLIERS: f64 = 16.0;
 /// An observer that began with less than the variance divided by this factor has interpreted the noise as motion.
-const MISJUDGED: f64 = 4.0;
+const MISCLASSIFIED: f64 = 4.0;
 /// Largest accepted standard deviation `[m]`: larger values come from a hand that shakes the device.
 const MOST: f64 = 2e-5;
 
 impl<S: Scalar> SensorNoise<S> {
-    /// Processes an interval of a sensor with the model variance `told` `[m^2]`. Returns whether the variance exceeds
+    /// Processes an interval of a sensor with the model variance `model` `[m^2]`. Returns whether the variance exceeds
     /// the one used by the observer by so much that the observer should restart.
-    pub fn take(&mut self, interval: &SensorInterval<S>, told: S) -> bool {
+    pub fn take(&mut self, interval: &SensorInterval<S>, model: S) -> bool {
         let square = |x: S| x * x;
         let longer = interval.elapsed.max(self.elapsed);
         let even = (interval.elapsed - self.elapsed).abs() <= S::from_f64(UNEVEN) * longer;
-        let free = square(interval.pushed) <= S::from_f64(UNSEEN * UNSEEN) * told;
+        let free = square(interval.pushed) <= S::from_f64(UNSEEN * UNSEEN) * model;
         if !(even && free) {
             self.in_a_row = 0;
         }
@@ -94,18 +94,18 @@ impl<S: Scalar> SensorNoise<S> {
         let product = -(bend * self.bend) * square(interval.elapsed);
         (self.elapsed, self.velocity, self.change, self.bend) =
             (interval.elapsed, velocity, change, bend);
-        let quantum = S::from_f64(12.0) * told;
+        let quantum = S::from_f64(12.0) * model;
         let moves = square(interval.expected) >= S::from_f64(QUANTA * QUANTA) * quantum;
         let counts = self.in_a_row == BEFORE_ONE_COUNTS && moves && product.is_finite();
-        counts && self.count_in(product, told)
+        counts && self.count_in(product, model)
     }
 
     // Not inlined: it has a root and divisions, and does not run in contact.
     #[inline(never)]
-    fn count_in(&mut self, product: S, told: S) -> bool {
+    fn count_in(&mut self, product: S, model: S) -> bool {
         let mut product = product;
         if self.count >= S::from_f64(BEFORE_OUTLIERS) {
-            let usual = (S::from_f64(COVARIANCE) * told).max(self.sum / self.count);
+            let usual = (S::from_f64(COVARIANCE) * model).max(self.sum / self.count);
             product = product.within(S::from_f64(OUTLIER) * usual);
         }
         self.sum += product;
@@ -114,32 +114,32 @@ impl<S: Scalar> SensorNoise<S> {
             self.sum = S::HALF * self.sum;
             self.count = S::HALF * self.count;
         }
-        self.found = self.beyond(told);
-        let misjudged = self.found > S::from_f64(MISJUDGED) * self.begun_with.max(told);
-        if misjudged {
+        self.found = self.beyond(model);
+        let misclassified = self.found > S::from_f64(MISCLASSIFIED) * self.begun_with.max(model);
+        if misclassified {
             self.begun_with = self.found;
         }
-        misjudged
+        misclassified
     }
 
-    /// Returns the estimate minus one standard deviation if it significantly exceeds `told` `[m^2]`, otherwise 0.
-    fn beyond(&self, told: S) -> S {
+    /// Returns the estimate minus one standard deviation if it significantly exceeds `model` `[m^2]`, otherwise 0.
+    fn beyond(&self, model: S) -> S {
         let count = self.count.max(S::ONE);
         let deviation = S::from_f64(DEVIATION) / count.sqrt();
         let mean = self.sum / (S::from_f64(COVARIANCE) * count);
-        let unsure = told * (S::from_f64(MUCH) + S::from_f64(DOUBTS) * deviation);
+        let unsure = model * (S::from_f64(MUCH) + S::from_f64(DOUBTS) * deviation);
         if mean <= unsure || deviation >= S::ONE {
             return S::ZERO;
         }
         (mean * (S::ONE - deviation)).min(S::from_f64(MOST * MOST))
     }
 
-    /// Returns the variance of a measured position `[m^2]`: the model value `told`, or the estimate minus one standard
+    /// Returns the variance of a measured position `[m^2]`: the model value `model`, or the estimate minus one standard
     /// deviation if free motion shows a significantly larger variance.
     #[inline]
     #[must_use]
-    pub fn variance(&self, told: S) -> S {
-        self.found.max(told)
+    pub fn variance(&self, model: S) -> S {
+        self.found.max(model)
     }
 
     /// Returns the standard deviation of the sensor's error shown by free motion `[m]`, independent of the model value:
@@ -178,7 +178,7 @@ mod tests {
 
     /// Returns the deviation found in the positions of `samples` samples with the model value `quantum`.
     fn found(samples: usize, quantum: f64, mut position: impl FnMut(f64) -> f64) -> f64 {
-        let told = (quantum * quantum).max(1e-18) / 12.0;
+        let model = (quantum * quantum).max(1e-18) / 12.0;
         let mut noise = SensorNoise::default();
         let mut last = position(0.0);
         for k in 1..samples {
@@ -189,10 +189,10 @@ mod tests {
                 pushed: 0.0,
                 expected: now - last,
             };
-            noise.take(&interval, told);
+            noise.take(&interval, model);
             last = now;
         }
-        noise.variance(told).sqrt()
+        noise.variance(model).sqrt()
     }
 
     /// Position of a swinging, trembling hand.
@@ -256,8 +256,8 @@ mod tests {
             let found = found(1000, quantum, |t| {
                 rounded(speed * (t + 0.2 * t * t) + 1e-6 * (60.0 * t).sin())
             });
-            let told = quantum / 12_f64.sqrt();
-            assert!(found < 1.01 * told, "{found:e} at {speed} m/s");
+            let model = quantum / 12_f64.sqrt();
+            assert!(found < 1.01 * model, "{found:e} at {speed} m/s");
         }
     }
 

@@ -44,7 +44,7 @@ pub(crate) struct Sway<S> {
 /// less than that of a calibration.
 const LONGEST_ANGLE: f64 = 0.25;
 /// Maximum number of steps in an interval: a faster resonance is replaced by the fastest that they resolve.
-const MOST_STEPS: f64 = 16.0;
+const MAX_STEPS: f64 = 16.0;
 
 impl<S: Scalar> Flexure<S> {
     /// Creates the model of a valid transmission.
@@ -73,7 +73,7 @@ impl<S: Scalar> Flexure<S> {
     /// Returns the number of steps over `h` `[s]`, and the duration of one `[s]`.
     fn steps(&self, h: S) -> (S, S) {
         let wanted = (h / self.longest_step).floor() + S::ONE;
-        let steps = wanted.max(S::ONE).min(S::from_f64(MOST_STEPS));
+        let steps = wanted.max(S::ONE).min(S::from_f64(MAX_STEPS));
         (steps, h / steps)
     }
 

@@ -3,7 +3,7 @@
 mod interval;
 mod saturation;
 
-use interval::{Avatar, Moved, rule};
+use interval::{Moved, ProxyState, rule};
 use saturation::Saturation;
 
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
@@ -155,7 +155,7 @@ pub struct CoupledMemory<S> {
     periods: [Option<S>; 3],
     /// Uncertainty of the object's position.
     placed: Placed<S>,
-    avatar: Avatar<S>,
+    proxy: ProxyState<S>,
     /// Stretch of the device's transmission at the last sample.
     sway: Sway<S>,
     lateness: Lateness<S>,
@@ -226,7 +226,7 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
         let observer = ObserverParams::new(self.device_mass, self.encoder_quantum)?;
         let transmission = loop_params.actuation.transmission;
         let is_fast = |resonance: S| resonance * loop_params.period > S::from_f64(FAST_RESONANCE);
-        let transmission = transmission.filter(|told| is_fast(told.resonance));
+        let transmission = transmission.filter(|model| is_fast(model.resonance));
         let flexure = transmission.as_ref().map(Flexure::new);
         let largest = match loop_params.force_limit {
             // Both the command and the delivered force are limited.
@@ -302,7 +302,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             behind = flexure.behind(&sway);
             measurement.moved += flexure.behind(&memory.sway) - behind;
         }
-        let told = self.observer.measurement_variance;
+        let model = self.observer.measurement_variance;
         let interval = SensorInterval {
             moved: ended.device_moved,
             elapsed: ended.elapsed,
@@ -310,14 +310,14 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             expected: before.velocity * ended.elapsed,
         };
         // Without a force the device's mass is not estimated, so the observer need not restart.
-        let _ = memory.sensor_noise.take(&interval, told);
-        let variance = memory.sensor_noise.variance(told);
+        let _ = memory.sensor_noise.take(&interval, model);
+        let variance = memory.sensor_noise.variance(model);
         let (smoothed, lesson) = observer.update(&self.observer, &measurement, variance);
         if let Some(lesson) = lesson.as_ref().filter(|_| self.timing_deviation > S::ZERO) {
-            let (held, elapsed, told) = (&ended.held, ended.elapsed, self.timing_deviation);
+            let (held, elapsed, model) = (&ended.held, ended.elapsed, self.timing_deviation);
             let learned = memory
                 .lateness
-                .learn(lesson, &smoothed, held, elapsed, told);
+                .learn(lesson, &smoothed, held, elapsed, model);
             observer.shift(learned);
         }
         let certainty = observer.damping_certainty();
@@ -330,17 +330,17 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             lesson.map_or([S::ZERO; 2], |lesson| memory.placed.correction(lesson));
         // No force corrects this part of the speed: the object takes it over, and a wall and its proxy converge.
         let given_up = core::mem::take(&mut memory.given_up);
-        memory.avatar.speed -= given_up;
+        memory.proxy.speed -= given_up;
         let mut object_velocity = ended.start.object_velocity + object_slow;
         if !motion.is_wall() {
             object_velocity -= given_up;
         }
         let start = Relative {
             penetration: ended.start.penetration + behind + device.offset - object_off,
-            speed: device.velocity + memory.avatar.speed - object_velocity,
+            speed: device.velocity + memory.proxy.speed - object_velocity,
         };
         let (interval, response) =
-            self.interval_past(motion, &device, start, memory.avatar.sway, ended, certainty);
+            self.interval_past(motion, &device, start, memory.proxy.sway, ended, certainty);
         let touched = interval.course.impulse > S::ZERO;
         // A limited force gives no information on the object's position.
         let response = response.filter(|_| !interval.is_saturated);
@@ -360,14 +360,14 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let Moved {
             object: mut moved,
             shift,
-            avatar,
+            proxy,
         } = self.object_moved(
             &interval,
             &device,
             object_velocity,
             ended.start.virtual_force,
             &ended.held,
-            &memory.avatar,
+            &memory.proxy,
         );
         moved.by += object_off;
         if !motion.is_wall() {
@@ -375,7 +375,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         }
         memory.periods = [memory.periods[1], memory.periods[2], Some(ended.elapsed)];
         memory.shift = shift;
-        memory.avatar = avatar;
+        memory.proxy = proxy;
         moved
     }
 
@@ -392,28 +392,28 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let mut device = observer.motion;
         let virtual_force = now.start.virtual_force;
         let mut object_velocity = now.start.object_velocity;
-        let mut avatar = memory.avatar;
+        let mut proxy = memory.proxy;
         let behind = self.flexure.map_or(S::ZERO, |it| it.behind(&memory.sway));
         let mut relative = Relative {
             penetration: now.start.penetration + behind + device.offset,
-            speed: device.velocity + avatar.speed - object_velocity,
+            speed: device.velocity + proxy.speed - object_velocity,
         };
-        let at_sample = (device, relative, object_velocity, avatar);
+        let at_sample = (device, relative, object_velocity, proxy);
         let mut first = None;
-        let mut owed = memory.impulse_error;
+        let mut residual = memory.impulse_error;
         let governed = now.ahead.until_own(period, |piece| {
             let h = piece.duration;
-            let interval = self.interval(motion, &device, relative, avatar.sway, virtual_force, h);
+            let interval = self.interval(motion, &device, relative, proxy.sway, virtual_force, h);
             let moved = self.object_moved(
                 &interval,
                 &device,
                 object_velocity,
                 virtual_force,
                 &piece.held,
-                &avatar,
+                &proxy,
             );
             if !motion.is_wall() {
-                owed += interval.course.impulse - piece.intended * h;
+                residual += interval.course.impulse - piece.intended * h;
             }
             let (travel, gained) = device.under(&piece.held, h);
             first = first.or(Some((
@@ -423,35 +423,28 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             relative.penetration += travel - moved.object.by;
             device.velocity += gained;
             object_velocity = moved.object.velocity;
-            avatar = moved.avatar;
-            relative.speed = device.velocity + avatar.speed - object_velocity;
+            proxy = moved.proxy;
+            relative.speed = device.velocity + proxy.speed - object_velocity;
         });
-        let interval = self.interval(
-            motion,
-            &device,
-            relative,
-            avatar.sway,
-            virtual_force,
-            period,
-        );
-        let owed = if !motion.is_wall() {
-            S::from_f64(REPAID) * owed
+        let interval = self.interval(motion, &device, relative, proxy.sway, virtual_force, period);
+        let residual = if !motion.is_wall() {
+            S::from_f64(REPAID) * residual
         } else if device.mobility > S::ZERO {
             let kappa = motion.stiffness() * device.mobility * period * period;
             let most = (S::from_f64(REPAID_BY_WALLS) * kappa).min(S::ONE) * interval.course.impulse;
-            (S::ZERO - avatar.speed / device.mobility).within(most)
+            (S::ZERO - proxy.speed / device.mobility).within(most)
         } else {
             S::ZERO
         };
         memory.is_limited = interval.is_saturated;
-        let mut mean = ((interval.course.impulse + owed) / period).max(S::ZERO);
+        let mut mean = ((interval.course.impulse + residual) / period).max(S::ZERO);
         let apart = interval.course.impulse == S::ZERO;
         let least = S::from_f64(NEGLIGIBLE) * object_velocity.abs();
-        if apart && owed * self.object_mobility <= least {
+        if apart && residual * self.object_mobility <= least {
             // An excess impulse is not pulled back, and rounding errors are not corrected.
             mean = S::ZERO;
             memory.impulse_error = S::ZERO;
-            memory.given_up = avatar.speed;
+            memory.given_up = proxy.speed;
         }
         let force = governed.with_mean(mean, period);
         let planned = first.filter(|_| now.ahead.is_whole());
@@ -460,19 +453,12 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             let mut from = interval;
             if !now.ahead.is_whole() {
                 // A command begins between this sample and the next.
-                (device, relative, object_velocity, avatar) = at_sample;
-                from = self.interval(
-                    motion,
-                    &device,
-                    relative,
-                    avatar.sway,
-                    virtual_force,
-                    period,
-                );
+                (device, relative, object_velocity, proxy) = at_sample;
+                from = self.interval(motion, &device, relative, proxy.sway, virtual_force, period);
                 held = now.ahead.over_next(force, period);
             }
             let velocity = object_velocity;
-            let moved = self.object_moved(&from, &device, velocity, virtual_force, &held, &avatar);
+            let moved = self.object_moved(&from, &device, velocity, virtual_force, &held, &proxy);
             (moved.object, rule(&from, now.start.device_velocity))
         });
         Plan { force, rule, moved }
@@ -490,10 +476,10 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             lateness,
             sensor_noise,
             // A wall that waited for a sample still has to return to its position.
-            avatar: if object_known {
-                memory.avatar
+            proxy: if object_known {
+                memory.proxy
             } else {
-                Avatar::default()
+                ProxyState::default()
             },
             ..CoupledMemory::default()
         };
@@ -515,7 +501,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
     }
 
     #[inline]
-    fn placement_shift(&self, memory: &CoupledMemory<S>) -> S {
+    fn object_shift(&self, memory: &CoupledMemory<S>) -> S {
         memory.shift
     }
 }

@@ -61,7 +61,7 @@ pub struct Renderer<S, M> {
 /// Force on the device over an interval that has ended.
 struct Passed<S> {
     /// Mean force by the actuation model, as recorded in the ledger `[N]`.
-    booked: S,
+    recorded: S,
     /// Force by the estimated actuation.
     passed: Piece<S>,
 }
@@ -262,13 +262,13 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             None => {
                 let passed = state.under_way.pass(&self.actuator, h);
                 Passed {
-                    booked: passed.held.mean,
+                    recorded: passed.held.mean,
                     passed,
                 }
             }
             Some(learned) => {
-                let (booked, passed) = state.under_way.pass_learned(&self.actuator, &learned, h);
-                Passed { booked, passed }
+                let (recorded, passed) = state.under_way.pass_learned(&self.actuator, &learned, h);
+                Passed { recorded, passed }
             }
         };
         match self.try_step(state, &sample, elapsed, &passed, adds) {
@@ -285,7 +285,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         state: &mut State<S, M::Memory>,
         sample: &Sample<S>,
         elapsed: Result<(S, bool), Fault>,
-        Passed { booked, passed }: &Passed<S>,
+        Passed { recorded, passed }: &Passed<S>,
         adds: impl FnOnce(S) -> Option<S>,
     ) -> Result<Output<S>, Fault> {
         let device = self.sign * sample.device_position;
@@ -353,7 +353,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 } else {
                     interval.start.virtual_force
                 };
-                let held_force = interval.reported.unwrap_or(*booked);
+                let held_force = interval.reported.unwrap_or(*recorded);
                 let closed = state.ledger.close(&Closing {
                     stored: self.stored_energy(device - object.position, object.velocity),
                     port_work: held_force * device_moved,
@@ -479,7 +479,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             penetration,
             phase,
             transition_after,
-            placement_shift: self.sign * self.method.placement_shift(&state.memory) + S::ZERO,
+            object_shift: self.sign * self.method.object_shift(&state.memory) + S::ZERO,
             limited,
             fault: None,
         })
@@ -563,7 +563,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             penetration: S::ZERO,
             phase: Phase::Waiting,
             transition_after: S::ZERO,
-            placement_shift: S::ZERO,
+            object_shift: S::ZERO,
             limited: Limited::default(),
             fault: Some(fault),
         }

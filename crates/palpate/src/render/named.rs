@@ -91,7 +91,7 @@ macro_rules! named {
 for_all_methods!(named);
 
 /// Number of settings of all methods; shared keys count several times.
-pub(super) const MOST_SETTINGS: usize = {
+pub(super) const MAX_SETTINGS: usize = {
     let mut most = 0;
     let mut index = 0;
     while index < MethodName::ALL.len() {

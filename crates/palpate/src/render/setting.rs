@@ -3,7 +3,7 @@
 
 use core::fmt;
 
-use super::named::{MOST_SETTINGS, MethodName, all_settings};
+use super::named::{MAX_SETTINGS, MethodName, all_settings};
 use crate::Scalar;
 use crate::contact::Mass;
 use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
@@ -275,7 +275,7 @@ impl core::error::Error for SettingsError {}
 #[derive(Clone, Copy, Default, PartialEq)]
 pub struct Settings {
     /// The values, in the order of [`all_settings`].
-    given: [Option<ParameterValue<f64>>; MOST_SETTINGS],
+    given: [Option<ParameterValue<f64>>; MAX_SETTINGS],
 }
 
 impl Settings {

@@ -276,9 +276,9 @@ mod tests {
         // 4 N of the spring and almost 3 N of fading force.
         assert!(output.limited.force);
         assert_eq!(output.force_on_device, -LIMIT);
-        let told = running.ledger().port_work;
+        let model = running.ledger().port_work;
         running.step(Sample::at(0.003));
-        let work = running.ledger().port_work - told;
+        let work = running.ledger().port_work - model;
         assert!((work - LIMIT * -0.001).abs() < 1e-12, "{before} {work}");
     }
 

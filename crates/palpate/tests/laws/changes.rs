@@ -177,7 +177,7 @@ fn an_object_that_becomes_a_wall_keeps_its_place_and_its_force() {
 /// as a spring as soon as the change is complete.
 #[test]
 fn coupled_goes_over_to_the_law_of_a_wall_at_once() {
-    for (told_mass, delay, stiffness) in [
+    for (model_mass, delay, stiffness) in [
         (0.25, 0.0, 1000.0),
         (0.5, 0.0, 1000.0),
         (0.25, 0.0007, 1000.0),
@@ -193,7 +193,7 @@ fn coupled_goes_over_to_the_law_of_a_wall_at_once() {
                 },
                 ..LoopParams::new(PERIOD)
             },
-            ..pressed(AnyParams::Coupled(CoupledParams::new(told_mass)))
+            ..pressed(AnyParams::Coupled(CoupledParams::new(model_mass)))
         };
         let mut running = Running::new(object).unwrap();
         let mut device = PointMass {
@@ -232,10 +232,10 @@ fn coupled_goes_over_to_the_law_of_a_wall_at_once() {
             let moved = (output.object_position - place).abs();
             assert!(moved < 3e-4, "{late}: {moved} m from where it stood");
         }
-        println!("told {told_mass} kg, {delay} s, {stiffness} N/m: off by {worst:.1e}");
+        println!("told {model_mass} kg, {delay} s, {stiffness} N/m: off by {worst:.1e}");
         assert!(
             worst < 1e-3,
-            "{told_mass} kg, {delay} s, {stiffness} N/m: {worst}"
+            "{model_mass} kg, {delay} s, {stiffness} N/m: {worst}"
         );
     }
 }

@@ -283,7 +283,7 @@ impl Auditor {
 
     /// Checks that every entry of the ledger equals the audited one within `tolerance` of the energy turned over.
     pub fn agrees_with(&self, ledger: &Ledger<f64>, tolerance: f64) {
-        for (name, audited, booked) in [
+        for (name, audited, recorded) in [
             ("stored", self.stored, ledger.stored),
             ("port work", self.port_work, ledger.port_work),
             (
@@ -304,8 +304,8 @@ impl Auditor {
             ),
         ] {
             assert!(
-                (audited - booked).abs() <= tolerance * self.turned_over + 4.0 * self.rounding,
-                "{name}: booked {booked}, audited {audited}, turned over {}",
+                (audited - recorded).abs() <= tolerance * self.turned_over + 4.0 * self.rounding,
+                "{name}: booked {recorded}, audited {audited}, turned over {}",
                 self.turned_over
             );
         }

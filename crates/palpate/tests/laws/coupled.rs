@@ -11,8 +11,8 @@ const WEIGHT: f64 = -0.981;
 
 type Loop = Renderer<f64, Coupled<f64>>;
 
-fn renderer(contact: Contact<f64>, told_mass: f64, quantum: f64) -> Loop {
-    let params = CoupledParams::new(told_mass).with_encoder_quantum(quantum);
+fn renderer(contact: Contact<f64>, model_mass: f64, quantum: f64) -> Loop {
+    let params = CoupledParams::new(model_mass).with_encoder_quantum(quantum);
     Renderer::new(contact, LoopParams::new(PERIOD), params).unwrap()
 }
 
@@ -71,15 +71,15 @@ fn it_never_pulls() {
 
 #[test]
 fn the_mass_is_learned_from_contact() {
-    for told in [0.15, 0.25, 0.5] {
-        let renderer = renderer(Contact::object(100.0, 0.1), told, 0.0);
+    for model in [0.15, 0.25, 0.5] {
+        let renderer = renderer(Contact::object(100.0, 0.1), model, 0.0);
         let mut state = renderer.start(ObjectState::at_rest(0.05)).unwrap();
         let mut device = device(0.25);
         for _ in 0..300 {
             tick(&renderer, &mut state, &mut device, 0.0);
         }
         let learned = state.memory().device_mass().unwrap();
-        assert!((learned / 0.25 - 1.0).abs() < 1e-3, "{told}: {learned}");
+        assert!((learned / 0.25 - 1.0).abs() < 1e-3, "{model}: {learned}");
     }
 }
 
@@ -228,8 +228,8 @@ fn a_slower_loop_is_planned_for_after_two_samples() {
 
 #[test]
 fn single_precision_follows_double() {
-    let told = 0.3;
-    let double = renderer(Contact::object(100.0, 0.1), told, 1e-5);
+    let model = 0.3;
+    let double = renderer(Contact::object(100.0, 0.1), model, 1e-5);
     let single = Renderer::<f32, Coupled<f32>>::new(
         Contact::object(100.0, 0.1),
         LoopParams::new(0.01),
@@ -295,8 +295,8 @@ fn a_wall_that_waited_for_a_sample_goes_back_to_its_place() {
 fn a_kick_of_friction_puts_no_learned_mass_in_doubt() {
     const FRICTION: f64 = 0.01;
     let (mass, period) = (0.07, 0.0012);
-    for told in [0.035, 0.05, 0.07, 0.1, 0.14] {
-        let params = CoupledParams::new(told);
+    for model in [0.035, 0.05, 0.07, 0.1, 0.14] {
+        let params = CoupledParams::new(model);
         let loop_params = LoopParams {
             actuation: palpate::Actuation::after_samples(1, period),
             ..LoopParams::new(period)
@@ -321,7 +321,7 @@ fn a_kick_of_friction_puts_no_learned_mass_in_doubt() {
         // Two samples of delay, and one to observe their effect.
         let off = |mass_now: &f64| (mass_now / mass - 1.0).abs();
         let worst = learned[6..].iter().map(off).fold(0.0, f64::max);
-        println!("told {told} kg: mass off by up to {:.2} %", 100.0 * worst);
-        assert!(worst < 0.05, "told {told} kg: off by {worst}");
+        println!("told {model} kg: mass off by up to {:.2} %", 100.0 * worst);
+        assert!(worst < 0.05, "told {model} kg: off by {worst}");
     }
 }

@@ -33,7 +33,7 @@ impl<S: Scalar> Pressed<S> {
             sign: contact.side.sign::<f64>(),
         };
         for tick in 0..16 {
-            let output = pressed.go_on();
+            let output = pressed.resume();
             assert_eq!(output.fault, None);
             if tick == 0 {
                 pressed.stored_at_start = pressed.state.ledger().stored.to_f64();
@@ -42,13 +42,13 @@ impl<S: Scalar> Pressed<S> {
         pressed
     }
 
-    fn go_on(&mut self) -> palpate::Output<S> {
+    fn resume(&mut self) -> palpate::Output<S> {
         let sample = Sample::at(S::from_f64(self.sign * self.position));
         self.position += PER_TICK;
         self.renderer.step(&mut self.state, sample)
     }
 
-    fn books_balance(&self) {
+    fn ledger_balances(&self) {
         let ledger = self.state.ledger();
         let scale: f64 = entries(ledger).iter().map(|x| x.to_f64().abs()).sum();
         let off = ledger.stored.to_f64() - self.stored_at_start - explained(ledger);
@@ -92,12 +92,12 @@ fn is_refused_and_survived<S: Scalar>(
                 assert!(every_number_is_finite(&output), "{case}: {output:?}");
                 assert!(output.object_position.abs() < S::from_f64(0.01), "{case}");
                 for _ in 0..lost {
-                    let output = pressed.go_on();
+                    let output = pressed.resume();
                     assert_eq!(output.fault, Some(Fault::JumpTooFast), "{case}");
                     assert!(output.force_on_device == S::ZERO, "{case}");
                 }
                 pressed.position -= PER_TICK * lost as f64;
-                let output = pressed.go_on();
+                let output = pressed.resume();
                 assert_eq!(output.fault, None, "{case}");
                 assert!(every_number_is_finite(&output), "{case}: {output:?}");
                 // Rendering resumes as if the device had come to rest: the largest extrapolation factor is that of the
@@ -108,16 +108,16 @@ fn is_refused_and_survived<S: Scalar>(
                     (0.0..=2.0001 * spring).contains(&force),
                     "{case}: {force} N where the spring has {spring} N"
                 );
-                pressed.books_balance();
-                let booked = entries(pressed.state.ledger());
+                pressed.ledger_balances();
+                let recorded = entries(pressed.state.ledger());
                 assert!(
-                    booked.iter().all(|entry| entry.abs() < S::ONE),
-                    "{case}: a refused sample moved energy: {booked:?}"
+                    recorded.iter().all(|entry| entry.abs() < S::ONE),
+                    "{case}: a refused sample moved energy: {recorded:?}"
                 );
                 for _ in 0..3 {
-                    assert_eq!(pressed.go_on().fault, None, "{case}");
+                    assert_eq!(pressed.resume().fault, None, "{case}");
                 }
-                pressed.books_balance();
+                pressed.ledger_balances();
             }
         }
     }
@@ -278,9 +278,9 @@ fn a_virtual_force_too_large_to_compute_with_does_not_take_the_object_away_for_g
             let mut faults = 0;
             let output = pressed.renderer.step(&mut pressed.state, sample);
             faults += usize::from(output.fault.is_some());
-            faults += usize::from(pressed.go_on().fault.is_some());
+            faults += usize::from(pressed.resume().fault.is_some());
             assert!(faults > 0, "{name}, {huge} N: nothing noticed");
-            let output = pressed.go_on();
+            let output = pressed.resume();
             assert_eq!(output.fault, None, "{name}, {huge} N");
             assert!(output.object_position.abs() < 0.01, "{name}: {output:?}");
         }

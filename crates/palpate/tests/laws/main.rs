@@ -2,7 +2,6 @@
 #![allow(clippy::print_stdout)] // what a test measured is part of its answer
 
 mod adversary;
-mod books;
 mod changes;
 mod common;
 mod coupled;
@@ -12,6 +11,7 @@ mod faults;
 mod geometry;
 mod guard;
 mod hfcr;
+mod ledger;
 mod limits;
 mod measured_period;
 mod modified_force;

@@ -243,8 +243,11 @@ fn the_leak_of_sustained_contact_is_known_in_closed_form_for_any_elapsed_time() 
         let by = |h| press(start, xi_1, h).0 - start.0;
         let (moved, d) = (xi_2 - xi_1, xi_1 - xi_0);
         let leak = STIFFNESS * moved * (0.5 * (moved - d) + by(PERIOD) - by(h));
-        let booked = state.ledger().held_leak.last;
-        assert!((booked - leak).abs() < 1e-14, "{booked} J, not {leak} J");
+        let recorded = state.ledger().held_leak.last;
+        assert!(
+            (recorded - leak).abs() < 1e-14,
+            "{recorded} J, not {leak} J"
+        );
     }
     assert!(checked > 500, "{checked}");
 }

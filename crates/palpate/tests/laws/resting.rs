@@ -111,8 +111,8 @@ fn left_after(stays: &Stays, params: AnyParams<f64>) -> (f64, f64) {
     )
 }
 
-fn coupled(told: f64) -> AnyParams<f64> {
-    AnyParams::Coupled(CoupledParams::new(told * MASS))
+fn coupled(model: f64) -> AnyParams<f64> {
+    AnyParams::Coupled(CoupledParams::new(model * MASS))
 }
 
 /// Objects by Kc, with all hands and at two rates, under their weight and pressed with 3 N.
@@ -149,13 +149,13 @@ fn what_a_hand_damps_comes_to_rest_however_light_the_object() {
     let mut worst = 0.0_f64;
     for (kc, stays) in objects() {
         for delay in [0, 1] {
-            for told in [0.7, 1.0, 1.5] {
+            for model in [0.7, 1.0, 1.5] {
                 let stays = Stays { delay, ..stays };
-                let (deviation, created) = left_after(&stays, coupled(told));
+                let (deviation, created) = left_after(&stays, coupled(model));
                 worst = worst.max(deviation);
                 assert!(
                     deviation < 0.1,
-                    "Kc {kc}, told {told}: swings by {deviation}, created {created} J, {stays:?}"
+                    "Kc {kc}, told {model}: swings by {deviation}, created {created} J, {stays:?}"
                 );
             }
         }
@@ -173,7 +173,7 @@ fn how_light_an_object_may_be_to_come_to_rest() {
             for mass in [0.1 * MASS, 0.3 * MASS] {
                 for hand in HANDS {
                     for force in [9.81 * mass, 3.0] {
-                        for told in [0.7, 1.0, 1.5] {
+                        for model in [0.7, 1.0, 1.5] {
                             let stays = Stays {
                                 contact: Contact::object(kc * mass / (period * period), mass),
                                 force,
@@ -181,7 +181,7 @@ fn how_light_an_object_may_be_to_come_to_rest() {
                                 period,
                                 delay,
                             };
-                            swings.push(left_after(&stays, coupled(told)).0);
+                            swings.push(left_after(&stays, coupled(model)).0);
                         }
                     }
                 }
@@ -207,7 +207,7 @@ fn how_light_an_object_may_be_to_come_to_rest() {
 fn a_light_block_rests_on_a_held_device() {
     // Contacts that oscillated permanently before the relative motion included damping.
     for (stiffness, period) in [(10_000.0, 0.01), (2000.0, 0.02)] {
-        for told in [0.25 / MASS, 1.0] {
+        for model in [0.25 / MASS, 1.0] {
             let stays = Stays {
                 contact: Contact::object(stiffness, 0.1),
                 force: 0.981,
@@ -215,7 +215,7 @@ fn a_light_block_rests_on_a_held_device() {
                 period,
                 delay: 0,
             };
-            let (deviation, created) = left_after(&stays, coupled(told));
+            let (deviation, created) = left_after(&stays, coupled(model));
             println!("{stiffness} N/m at {period} s: {deviation:.1e}, {created:.1e} J");
             assert!(
                 deviation < 0.01 && created < 1e-6,
@@ -229,7 +229,7 @@ fn a_light_block_rests_on_a_held_device() {
 fn a_pressed_wall_comes_to_rest() {
     for kappa in [0.1, 0.5, 1.0, 2.0, 4.0, 6.0] {
         for hand in HANDS {
-            for told in [0.7, 1.0, 1.5] {
+            for model in [0.7, 1.0, 1.5] {
                 let period = 0.01;
                 let stays = Stays {
                     contact: Contact::wall(kappa * MASS / (period * period)),
@@ -238,10 +238,10 @@ fn a_pressed_wall_comes_to_rest() {
                     period,
                     delay: 0,
                 };
-                let (deviation, created) = left_after(&stays, coupled(told));
+                let (deviation, created) = left_after(&stays, coupled(model));
                 assert!(
                     deviation < 0.05 && created < 1e-4,
-                    "kappa {kappa}, told {told}: swings by {deviation}, {created} J, {stays:?}"
+                    "kappa {kappa}, told {model}: swings by {deviation}, {created} J, {stays:?}"
                 );
             }
         }
@@ -253,8 +253,8 @@ fn a_pressed_wall_comes_to_rest() {
 enum Pressed {
     /// A wall whose force acts at every instant.
     Ideal,
-    /// The same wall, rendered with an encoder of quantum `quantum` and model quantum `told` `[m]`.
-    ByAnEncoder { quantum: f64, told: f64 },
+    /// The same wall, rendered with an encoder of quantum `quantum` and model quantum `model` `[m]`.
+    ByAnEncoder { quantum: f64, model: f64 },
 }
 
 /// Returns the largest speed `[m/s]` of a device in each half second of eight seconds in which it presses a wall, with
@@ -268,11 +268,11 @@ fn speeds_on_a_wall(pressed: Pressed) -> [f64; 16] {
         speed_limit: None,
         ..LoopParams::new(period)
     };
-    let told = match pressed {
+    let model = match pressed {
         Pressed::Ideal => 0.0,
-        Pressed::ByAnEncoder { told, .. } => told,
+        Pressed::ByAnEncoder { model, .. } => model,
     };
-    let params = CoupledParams::new(0.2).with_encoder_quantum(told);
+    let params = CoupledParams::new(0.2).with_encoder_quantum(model);
     let renderer = Renderer::new(Contact::wall(STIFFNESS), loop_params, params).unwrap();
     let mut state = renderer.start(ObjectState::at_rest(WALL)).unwrap();
     let mut device = Held {
@@ -317,18 +317,21 @@ fn a_wall_pressed_by_a_coarse_encoder_slows_down_as_the_ideal_does_whether_its_q
     println!("ideal: {}", in_millimetres(&ideal).join(" "));
     // The remaining motion alternates between a few positions of the encoder.
     for (quantum, left) in [(1e-5, 0.004), (5e-5, 0.008)] {
-        for told in [0.0, quantum] {
-            let speeds = speeds_on_a_wall(Pressed::ByAnEncoder { quantum, told });
+        for model in [0.0, quantum] {
+            let speeds = speeds_on_a_wall(Pressed::ByAnEncoder { quantum, model });
             let shown = in_millimetres(&speeds).join(" ");
-            println!("{quantum:e} m, told {told:e} m: {shown}");
+            println!("{quantum:e} m, told {model:e} m: {shown}");
             for half_second in 1..3 {
                 let part = speeds[half_second] / ideal[half_second];
                 assert!(
                     (0.7..1.3).contains(&part),
-                    "{quantum:e} m, told {told:e} m: {shown}"
+                    "{quantum:e} m, told {model:e} m: {shown}"
                 );
             }
-            assert!(speeds[15] < left, "{quantum:e} m, told {told:e} m: {shown}");
+            assert!(
+                speeds[15] < left,
+                "{quantum:e} m, told {model:e} m: {shown}"
+            );
         }
     }
 }

@@ -53,10 +53,10 @@ fn off(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn noise_that_free_motion_shows_is_reckoned_with_as_if_it_were_told() {
     let noise = 5e-6;
-    let told = noise * 12_f64.sqrt();
+    let model = noise * 12_f64.sqrt();
     for seed in 1..=5 {
         let (exact, _) = met(500, 0.0, 0.0, seed);
-        let (knows, _) = met(500, noise, told, seed);
+        let (knows, _) = met(500, noise, model, seed);
         let (finds, state) = met(500, noise, 0.0, seed);
         let found = state.memory().sensor_noise();
         assert!((0.8..1.1).contains(&(found / noise)), "{found:e}");

@@ -23,7 +23,7 @@ fn actuation((delay, lag): (f64, f64)) -> Actuation<f64> {
 fn spread(
     name: &str,
     real: impl Fn(&mut Desk),
-    told: Actuation<f64>,
+    model: Actuation<f64>,
     params: impl Fn(&Desk) -> CoupledParams<f64>,
 ) -> [f64; 3] {
     let mut all: Vec<f64> = (0..PLANTS)
@@ -32,7 +32,7 @@ fn spread(
             real(&mut desk);
             let periods = desk.window(600);
             let loop_params = LoopParams {
-                actuation: told,
+                actuation: model,
                 ..LoopParams::new(desk.period)
             };
             let params = AnyParams::Coupled(params(&desk));
@@ -129,24 +129,24 @@ fn a_timing_that_is_nearly_told_is_nearly_enough() {
 /// The delay of 0.1 T is unmodelled, but its standard deviation is modelled.
 #[test]
 fn a_delay_whose_deviation_is_told_is_learned_from_contact() {
-    let untold = actuation((0.0, 0.0));
+    let unmodelled = actuation((0.0, 0.0));
     let uncertain = |deviation: f64| Actuation {
         delay_deviation: deviation * PERIOD,
-        ..untold
+        ..unmodelled
     };
     let late = delayed((0.1, 0.0));
-    let [without, ..] = spread("0.1 T untold", &late, untold, coupled);
+    let [without, ..] = spread("0.1 T untold", &late, unmodelled, coupled);
     let [with, ..] = spread("0.1 T untold, +- 0.1 T", &late, uncertain(0.1), coupled);
     assert!(with < 0.4 * without, "{with} %, {without} % without");
     let late = delayed((0.3, 0.0));
-    let [without, ..] = spread("0.3 T untold", &late, untold, coupled);
+    let [without, ..] = spread("0.3 T untold", &late, unmodelled, coupled);
     let [with, ..] = spread("0.3 T untold, +- 0.3 T", &late, uncertain(0.3), coupled);
     assert!(with < 0.6 * without, "{with} %, {without} % without");
 }
 
 /// A device of 0.2 kg that a hand of 300 N/m and 3 N s/m presses into a wall of this kappa. Returns the standard
 /// deviation of the force after five seconds relative to its mean, and the mean.
-fn left(kappa: f64, hand: (f64, f64), real: (f64, f64), told: Actuation<f64>) -> (f64, f64) {
+fn left(kappa: f64, hand: (f64, f64), real: (f64, f64), model: Actuation<f64>) -> (f64, f64) {
     let device_mass = 0.2;
     let desk = Desk {
         device_mass,
@@ -162,7 +162,7 @@ fn left(kappa: f64, hand: (f64, f64), real: (f64, f64), told: Actuation<f64>) ->
         ..draw(3)
     };
     let loop_params = LoopParams {
-        actuation: told,
+        actuation: model,
         ..LoopParams::new(PERIOD)
     };
     let params = AnyParams::Coupled(coupled(&desk));
@@ -244,11 +244,11 @@ fn how_stiff_a_wall_may_be_that_rests_with_half_a_period_of_delay() {
 fn a_wall_that_is_pressed_rests_with_a_delay_that_was_told() {
     for late in [(0.5, 0.0), (1.0, 0.0), LATE] {
         for (kappa, deviation) in [(0.1, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.01), (2.0, 0.01)] {
-            let told = Actuation {
+            let model = Actuation {
                 delay_deviation: deviation * PERIOD,
                 ..actuation(late)
             };
-            let (swing, mean) = left(kappa, (0.0, 1.0), late, told);
+            let (swing, mean) = left(kappa, (0.0, 1.0), late, model);
             println!(
                 "kappa {kappa}, late {late:?} +- {deviation} T: swings by {:.2} %",
                 100.0 * swing
@@ -273,19 +273,22 @@ fn a_wall_that_is_pressed_with_an_untold_delay_is_quiet_when_that_is_learned() {
         (1.0, 0.5),
     ] {
         let real = (late, 0.0);
-        let told = Actuation {
+        let model = Actuation {
             delay_deviation: 0.3 * PERIOD,
             ..Actuation::default()
         };
-        let (untold, _) = left(kappa, (300.0, 3.0), real, Actuation::default());
-        let (swing, mean) = left(kappa, (300.0, 3.0), real, told);
+        let (unmodelled, _) = left(kappa, (300.0, 3.0), real, Actuation::default());
+        let (swing, mean) = left(kappa, (300.0, 3.0), real, model);
         println!(
             "kappa {kappa}, {late} T: swings by {:.0} % untold, by {:.2} % of {mean:.2} N told +- 0.3 T",
-            100.0 * untold,
+            100.0 * unmodelled,
             100.0 * swing
         );
         // The soft wall with a tenth of a period rests in any case.
-        assert!(untold > 1.0 || (kappa, late) == (0.1, 0.1), "{untold}");
+        assert!(
+            unmodelled > 1.0 || (kappa, late) == (0.1, 0.1),
+            "{unmodelled}"
+        );
         assert!(swing < 0.05, "{swing}");
     }
 }

@@ -13,7 +13,7 @@ fn main() -> Result<(), String> {
     if asked.is_empty() {
         asked.push((4, 4));
     }
-    println!("E in percent, (FRE over the hold floor), time of a step with the contact in us\n");
+    println!("E in percent, (FRE over the hold bound), time of a step with the contact in us\n");
     println!(
         "| scene | T ms | K N/m | steps | engine | engine, tuned | palpate | told 1.5 times the mass | us, engine | us, palpate | tuned |"
     );
@@ -25,14 +25,14 @@ fn main() -> Result<(), String> {
                 let bench = Bench::new(scene.clone(), *count, *parts)?;
                 let engine = bench.engine(Own::default())?;
                 let (best, tuned) = tuned(&bench)?;
-                let (palpate, told) = (bench.palpate(1.0)?, bench.palpate(1.5)?);
+                let (palpate, model) = (bench.palpate(1.0)?, bench.palpate(1.5)?);
                 println!(
                     "| {name} | {} | {stiffness} | {count}x{parts} | {} | {} | {} | {} | {:.1} | {:.1} | damping ratio {:.2}{} |",
                     1e3 * period,
                     shown(&engine),
                     shown(&tuned),
                     shown(&palpate),
-                    shown(&told),
+                    shown(&model),
                     1e6 * engine.step,
                     1e6 * palpate.step,
                     best.damping_ratio,
@@ -60,7 +60,7 @@ fn steps(argument: &str) -> Result<(u32, usize), String> {
 }
 
 fn shown(outcome: &Outcome) -> String {
-    format!("{:.2} ({:.2})", outcome.error, outcome.over_floor)
+    format!("{:.2} ({:.2})", outcome.error, outcome.over_bound)
 }
 
 /// The damping and the motion of the tool that give the least E of this scene, found with knowledge of its ideal.

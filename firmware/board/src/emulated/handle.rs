@@ -47,7 +47,7 @@ impl Handle {
     }
 
     /// Advances by one [`STEP`] under the forces of motor and hand `[N]`, exactly.
-    pub fn go_on(&mut self, motor: f32, hand: f32) {
+    pub fn resume(&mut self, motor: f32, hand: f32) {
         let acceleration = (motor + hand) / MASS;
         let moved = (self.velocity + 0.5 * acceleration * STEP) * STEP;
         self.position += moved;

@@ -88,7 +88,7 @@ struct World {
 }
 
 /// Advances the world. Call it from its interrupt only.
-pub fn go_on() {
+pub fn resume() {
     let world = core::ptr::with_exposed_provenance_mut::<World>(WORLD);
     // SAFETY: exclusive, aligned memory; only this function accesses it, and its interrupt does not preempt itself.
     // Every bit pattern of the number is valid, and the rest is read only after it has been written.
@@ -131,7 +131,7 @@ impl World {
             };
         }
         let hand = self.scene.hand(time, &self.handle);
-        self.handle.go_on(motor, hand);
+        self.handle.resume(motor, hand);
         self.steps += 1;
 
         // The event occurs while the wall pushes.

@@ -83,7 +83,7 @@ impl Scene {
         match self {
             Self::SilentHostLetsGo => KnobParams {
                 // 20 ms: the host sends a message every 4 ms.
-                when_silent: WhenSilent::LetGo { after: 80 },
+                when_silent: WhenSilent::DisableOutput { after: 80 },
                 ..example::PARAMS
             },
             _ => example::PARAMS,

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _palpate
 from .._arrays import known, numbers
 from .._fixed import Fixed, question_period
-from .._world_values import ContactBook, Effort, ToolState, Vector
+from .._world_values import ContactLedger, Effort, ToolState, Vector
 
 BODY_COLUMNS = 55
 """Numbers that say a body at the beginning of a step: see `EngineContact.meet`."""
@@ -49,7 +49,7 @@ class EngineOutput(NamedTuple):
     forces: NDArray[np.float64]
     """Force on each device [N], a row for each."""
     limited: tuple[str, ...]
-    """Limits that acted: `force`, `offset` of an avatar or an image, `soft-start`, and `safety-stop`: the loop has
+    """Limits that acted: `force`, `offset` of a proxy or an image, `soft-start`, and `safety-stop`: the loop has
     created energy, and all forces stay 0 until `reset()`."""
     effort: Effort
     """What the period has cost, over all steps of the engine."""
@@ -74,7 +74,7 @@ class PointOfContact(NamedTuple):
     """Force on the tool [N]."""
 
 
-class PortBook(NamedTuple):
+class PortLedger(NamedTuple):
     """Energy at the port of a device over all periods that have ended [J]; positive to the hand."""
 
     port_work: float
@@ -242,10 +242,10 @@ class EngineContact(Fixed, _palpate.EngineContact):
     @property
     def output(self) -> EngineOutput | None:
         """What was answered to the last sample; `None` before the first."""
-        told = self.told()
-        if told is None:
+        result = self.result()
+        if result is None:
             return None
-        forces, limited, effort, fault = told
+        forces, limited, effort, fault = result
         return EngineOutput(forces, tuple(limited), Effort(*effort), fault)
 
     @property
@@ -268,13 +268,13 @@ class EngineContact(Fixed, _palpate.EngineContact):
         )
 
     @property
-    def books(self) -> tuple[tuple[ContactBook, ...], dict[str, PortBook]]:
+    def ledger(self) -> tuple[tuple[ContactLedger, ...], dict[str, PortLedger]]:
         """The books of energy: of each point of contact, in the order of `contacts`, and of each device."""
-        contacts, devices = self.books_now()
+        contacts, devices = self.ledger_now()
         between = (contact.between for contact in self.contacts)
         return (
-            tuple(ContactBook(sides, *entries) for sides, entries in zip(between, contacts)),
-            {name: PortBook(*entries) for name, entries in zip(self._tools, devices)},
+            tuple(ContactLedger(sides, *entries) for sides, entries in zip(between, contacts)),
+            {name: PortLedger(*entries) for name, entries in zip(self._tools, devices)},
         )
 
     def __reduce__(self) -> NoReturn:

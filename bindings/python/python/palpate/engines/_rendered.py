@@ -45,13 +45,13 @@ def by_engine(
 
 
 def by_palpate(
-    scene: Scene, steps: int, samples: int, told: float, contact: Callable[..., Stepped]
+    scene: Scene, steps: int, samples: int, model: float, contact: Callable[..., Stepped]
 ) -> tuple[NDArray[np.float64], float]:
     """Forces of palpate's contact on the tool [N], one for each sample, and the time of a step of the engine [s]. `contact`
-    makes the contact of its law; `told` is the mass of the device as palpate is told, over the true one."""
+    makes the contact of its law; `model` is the mass of the device as palpate is told, over the true one."""
     law: dict[str, Any] = {
         "stiffness": scene.stiffness,
-        "device_mass": told * np.array(DEVICE_MASS),
+        "device_mass": model * np.array(DEVICE_MASS),
         "period": scene.period,
         "force_limit": math.inf,
         "soft_start": 0,

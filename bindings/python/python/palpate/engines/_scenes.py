@@ -108,9 +108,9 @@ def scenes(period: float, stiffness: float) -> list[Scene]:
     return made
 
 
-def judged(forces: NDArray[np.float64], ideal: WorldRuns) -> tuple[float, float]:
-    """E [%] and FRE over the hold floor of the forces that were held on the device, a row for each period."""
-    floor = ideal["methods"][0].sum.hold_floor_percent / 100
+def evaluated(forces: NDArray[np.float64], ideal: WorldRuns) -> tuple[float, float]:
+    """E [%] and FRE over the hold bound of the forces that were held on the device, a row for each period."""
+    floor = ideal["methods"][0].sum.hold_bound_percent / 100
     weight = 1 / np.array(DEVICE_MASS)
     means = ideal.ideal[0]
     off = np.sum((forces - means) ** 2 * weight) / np.sum(means**2 * weight)

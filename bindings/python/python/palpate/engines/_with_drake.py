@@ -91,9 +91,9 @@ def _engine(scene: Scene, steps: int, integrator: str, damping: float | None = N
     untouched = []
     if scene.floor is not None:
         # Drake integrates a spring implicitly, which adds a damping of h K.
-        told = max(0.0, scene.floor.damping - h * scene.floor.stiffness)
+        damping = max(0.0, scene.floor.damping - h * scene.floor.stiffness)
         shares = 1 if ball else 4
-        floor = Law(scene.floor.stiffness / shares, told / shares)
+        floor = Law(scene.floor.stiffness / shares, damping / shares)
         ground = plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "floor", _material(floor))
         untouched.append(ground)
     if scene.floor is not None and not ball:
@@ -154,9 +154,9 @@ def with_engine(
     return by_engine(scene, steps, samples, moves, step)
 
 
-def with_palpate(scene: Scene, steps: int, integrator: str, told: float, samples: int) -> tuple[NDArray[np.float64], float]:
-    """Forces of palpate's contact in the same engine, and the time of a step [s]. `told` is the mass of the device as
+def with_palpate(scene: Scene, steps: int, integrator: str, mass_factor: float, samples: int) -> tuple[NDArray[np.float64], float]:
+    """Forces of palpate's contact in the same engine, and the time of a step [s]. `mass_factor` is the model value of the device mass as
     palpate is told, over the true one."""
     engine = _engine(scene, steps, integrator)
     contact = partial(Contact, engine.simulator, engine.plant, tool=scene.tool_radius, bodies=["body"])
-    return by_palpate(scene, steps, samples, told, contact)
+    return by_palpate(scene, steps, samples, mass_factor, contact)

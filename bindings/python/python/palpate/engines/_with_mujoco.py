@@ -69,9 +69,9 @@ def with_engine(
     return by_engine(scene, steps, samples, moves, step)
 
 
-def with_palpate(scene: Scene, steps: int, integrator: str, told: float, samples: int) -> tuple[NDArray[np.float64], float]:
-    """Forces of palpate's contact in the same engine, and the time of a step [s]. `told` is the mass of the device as
+def with_palpate(scene: Scene, steps: int, integrator: str, mass_factor: float, samples: int) -> tuple[NDArray[np.float64], float]:
+    """Forces of palpate's contact in the same engine, and the time of a step [s]. `mass_factor` is the model value of the device mass as
     palpate is told, over the true one."""
     made = model(scene, steps, integrator)
     contact = partial(Contact, made, mujoco.MjData(made), tool="tool", bodies=["body"])
-    return by_palpate(scene, steps, samples, told, contact)
+    return by_palpate(scene, steps, samples, mass_factor, contact)

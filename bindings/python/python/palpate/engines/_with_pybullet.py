@@ -49,8 +49,8 @@ def _engine(scene: Scene, steps: int) -> Iterator[tuple[int, int]]:
             floor = pybullet.createMultiBody(0, slab, basePosition=(0, 0, -0.1), physicsClientId=client)
             shares = 4 if scene.shape == "box" else 1
             # Bullet integrates a spring implicitly, which adds a damping of h K.
-            told = max(0.0, scene.floor.damping - scene.period / steps * scene.floor.stiffness)
-            law = {"contactStiffness": scene.floor.stiffness / shares, "contactDamping": told / shares}
+            damping = max(0.0, scene.floor.damping - scene.period / steps * scene.floor.stiffness)
+            law = {"contactStiffness": scene.floor.stiffness / shares, "contactDamping": damping / shares}
             pybullet.changeDynamics(floor, _BASE, **smooth, **law, physicsClientId=client)
         yield client, body
     finally:
@@ -80,9 +80,9 @@ def with_engine(
         return by_engine(scene, steps, samples, moves, step)
 
 
-def with_palpate(scene: Scene, steps: int, integrator: str, told: float, samples: int) -> tuple[NDArray[np.float64], float]:
-    """Forces of palpate's contact in the same engine, and the time of a step [s]. `told` is the mass of the device as
+def with_palpate(scene: Scene, steps: int, integrator: str, mass_factor: float, samples: int) -> tuple[NDArray[np.float64], float]:
+    """Forces of palpate's contact in the same engine, and the time of a step [s]. `mass_factor` is the model value of the device mass as
     palpate is told, over the true one."""
     with _engine(scene, steps) as (client, body):
         contact = partial(Contact, client, tool=scene.tool_radius, bodies=[body])
-        return by_palpate(scene, steps, samples, told, contact)
+        return by_palpate(scene, steps, samples, mass_factor, contact)

@@ -55,7 +55,7 @@ class Contact(EngineContact):
     """Contacts of a tool with bodies of a discrete `MultibodyPlant`.
 
     The simulator is advanced by this: a period is one or more of the plant's steps. It is advanced first, with the wrenches
-    that avatars and bodies exert on each other meanwhile, and then the force is known that the device holds while that
+    that proxies and bodies exert on each other meanwhile, and then the force is known that the device holds while that
     time passes. What else accelerates a body within a step, the plant is asked beforehand: it solves each step twice, with
     the last wrenches and with the new ones.
 

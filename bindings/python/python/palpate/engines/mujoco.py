@@ -43,11 +43,11 @@ class Contact(EngineContact):
     """Contacts of a tool with bodies of a MuJoCo model.
 
     The engine is stepped by this: a period is one or more of its steps. It is stepped first, with the wrenches that
-    avatars and bodies exert on each other meanwhile, and then the force is known that the device holds while that time
+    proxies and bodies exert on each other meanwhile, and then the force is known that the device holds while that time
     passes.
 
     The tool is a sphere that MuJoCo does not know, or a sphere geom of a mocap body. Such a geom is taken out of the
-    engine's collisions until this is closed, and its mocap body follows the avatar, for a viewer to show. The other geoms of
+    engine's collisions until this is closed, and its mocap body follows the proxy, for a viewer to show. The other geoms of
     that body stay what they are: one that can collide is a warning, since no force of it is felt.
 
     The step that a force causes depends on the integrator: implicit ones, and Euler with damped joints, solve with the damping
@@ -269,14 +269,14 @@ class Contact(EngineContact):
 
     def pull(self) -> None:
         """After a step of the engine: takes the wrenches of the contacts out of `data.xfrc_applied`, and moves the
-        mocap bodies of the tools to where the avatars are."""
+        mocap bodies of the tools to where the proxies are."""
         if not self._pushes:
             raise ValueError("pull() comes after push() and a step of the engine")
         self.data.xfrc_applied[self._numbers] = self._theirs
         self._pushes = False
         self._time = max(self._time, float(self.data.time))
         if any(mocap is not None for mocap in self._mocap):
-            for mocap, place in zip(self._mocap, self.avatars()):
+            for mocap, place in zip(self._mocap, self.proxies()):
                 if mocap is not None and np.isfinite(place).all():
                     self.data.mocap_pos[mocap] = place
 

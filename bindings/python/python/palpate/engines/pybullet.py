@@ -37,7 +37,7 @@ class Contact(EngineContact):
     """Contacts of a tool with bodies of a PyBullet client.
 
     The engine is stepped by this: a period is one or more of its steps. It is stepped first, with the wrenches that
-    avatars and bodies exert on each other meanwhile, and then the force is known that the device holds while that time
+    proxies and bodies exert on each other meanwhile, and then the force is known that the device holds while that time
     passes. What else accelerates a body, its weight and its other contacts, PyBullet does not say beforehand: it is taken to
     go on as it went from the step before the last to the last one.
 

@@ -3,7 +3,7 @@
     python -m palpate.engines.table                    # needs palpate[mujoco]
     python -m palpate.engines.table --engine pybullet  # needs palpate[pybullet]
     python -m palpate.engines.table --engine drake     # needs palpate[drake]
-    python -m palpate.engines.table --steps 1,4,10 --integrators RK4,Euler --told 1,1.5
+    python -m palpate.engines.table --steps 1,4,10 --integrators RK4,Euler --model-mass-factor 1,1.5
 
 A device with three masses, in a hand with spring and damper, is simulated exactly outside the engine. Each force is
 held for a period, and judged by the mean force of the ideal over each period: E is the error, and FRE over the hold
@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._scene import simulate
-from ._scenes import BODY_MASS, RATES, judged, scenes
+from ._scenes import BODY_MASS, RATES, evaluated, scenes
 
 ENGINES = ("mujoco", "pybullet", "drake")
 DAMPING_RATIOS = (0.0, *(0.02 * 1.25**step for step in range(17)))
@@ -47,7 +47,7 @@ class Row(NamedTuple):
     steps: int
     integrator: str
     mean_force_error_percent: float
-    error_over_floor: float
+    error_over_bound: float
     microseconds_per_step: float
     """Median of what a step of the engine costs, with the contact, from Python."""
     setting: str
@@ -62,7 +62,7 @@ def engine(name: str) -> Any:
     return import_module(f"._with_{name}", __package__)
 
 
-def rows(bench: Any, steps: Sequence[int], integrators: Sequence[str], told: Sequence[float]) -> list[Row]:
+def rows(bench: Any, steps: Sequence[int], integrators: Sequence[str], mass_factors: Sequence[float]) -> list[Row]:
     """Every row of the table."""
     made = []
     for period, stiffness in RATES:
@@ -73,7 +73,7 @@ def rows(bench: Any, steps: Sequence[int], integrators: Sequence[str], told: Seq
                 for integrator in integrators:
 
                     def row(contact: str, found: tuple[NDArray[np.float64], float], setting: str) -> Row:
-                        error, over = judged(found[0], ideal)
+                        error, over = evaluated(found[0], ideal)
                         where = (scene.name, period, stiffness, contact, count, integrator)
                         return Row(*where, error, over, 1e6 * found[1], setting)
 
@@ -89,8 +89,8 @@ def rows(bench: Any, steps: Sequence[int], integrators: Sequence[str], told: Seq
                         for moves in (False, True)
                     ]
                     made.append(min(tuned, key=lambda row: row.mean_force_error_percent))
-                    for factor in told:
-                        setting = "" if factor == 1 else f"told {factor:g} times the mass"
+                    for factor in mass_factors:
+                        setting = "" if factor == 1 else f"model mass {factor:g} times the true mass"
                         made.append(row("palpate", bench.with_palpate(scene, count, integrator, factor, samples), setting))
     return made
 
@@ -105,7 +105,7 @@ def main() -> None:
     parser.add_argument("--engine", choices=ENGINES, default=ENGINES[0], help="the engine (mujoco)")
     parser.add_argument("--steps", type=several(int), default=[4], help="steps of the engine in a period (4)")
     parser.add_argument("--integrators", type=several(str), help="of MuJoCo: RK4, Euler, implicitfast (RK4)")
-    parser.add_argument("--told", type=several(float), default=[1.0, 1.5], help="told mass over the true one (1,1.5)")
+    parser.add_argument("--model-mass-factor", type=several(float), default=[1.0, 1.5], help="model value of the device mass over the true mass (1,1.5)")
     parser.add_argument("--json", action="store_true", help="rows as JSON")
     given = parser.parse_args()
     bench = engine(given.engine)
@@ -113,7 +113,7 @@ def main() -> None:
     unknown = [name for name in integrators if name not in bench.INTEGRATORS]
     if unknown:
         parser.error(f"--integrators {unknown[0]}: {given.engine} has {', '.join(bench.INTEGRATORS)}")
-    found = rows(bench, given.steps, integrators, given.told)
+    found = rows(bench, given.steps, integrators, given.model_mass_factor)
     if given.json:
         print(json.dumps([row._asdict() for row in found], indent=2))
         return
@@ -121,7 +121,7 @@ def main() -> None:
     print("| scene | T ms | K N/m | steps | integrator | contact | E % | FRE/floor | us | |")
     print("|---|---:|---:|---:|---|---|---:|---:|---:|---|")
     for row in found:
-        numbers = f"{row.mean_force_error_percent:.2f} | {row.error_over_floor:.2f} | {row.microseconds_per_step:.0f}"
+        numbers = f"{row.mean_force_error_percent:.2f} | {row.error_over_bound:.2f} | {row.microseconds_per_step:.0f}"
         print(
             f"| {row.scene} | {1000 * row.period_s:g} | {row.stiffness_n_per_m:g} | {row.steps} | {row.integrator} | {row.way} | "
             f"{numbers} | {row.setting} |"

@@ -34,7 +34,7 @@ pub struct CalibrateArguments {
     pub excitation: ExcitationFlags,
     /// Known values besides the motion.
     #[command(flatten)]
-    pub told: ToldFlags,
+    pub model: KnownFlags,
     /// The device, and the axis that is calibrated.
     #[command(flatten)]
     pub device: DeviceArguments,
@@ -81,7 +81,7 @@ pub struct ExcitationFlags {
 /// Known values besides the motion.
 #[derive(Args, Debug, Clone, Default)]
 #[command(next_help_heading = "Known beforehand")]
-pub struct ToldFlags {
+pub struct KnownFlags {
     /// Delivered over commanded force of the motor, if measured
     #[arg(long, value_name = "RATIO", value_parser = number, conflicts_with_all = ["spring", "added_mass"])]
     pub gain: Option<f64>,
@@ -145,7 +145,7 @@ impl CalibrateArguments {
     }
 }
 
-impl ToldFlags {
+impl KnownFlags {
     /// Rejects values out of range.
     pub fn check(&self) -> Result<(), Failure> {
         for (flag, value) in [

@@ -12,7 +12,7 @@ use palpate_files::bounded::DEVICE;
 use palpate_files::outputs::Outputs;
 
 pub use arguments::CalibrateArguments;
-use arguments::ToldFlags;
+use arguments::KnownFlags;
 
 use crate::failure::{Failure, tell};
 use crate::results::{draw, print};
@@ -40,10 +40,10 @@ pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
     {
         outputs.protect(input);
     }
-    let before = arguments.told.before.as_deref();
+    let before = arguments.model.before.as_deref();
     let before = before.map(read_device_file).transpose()?;
     outputs.spare_inputs()?;
-    arguments.told.check()?;
+    arguments.model.check()?;
     let motion = if arguments.pipe {
         stream::excite(arguments, params)?
     } else {
@@ -64,10 +64,10 @@ pub fn read_device_file(path: &Path) -> Result<Calibration, Failure> {
 }
 
 /// Returns the source of the gain besides the motion, if there is one.
-fn gain_from<'a>(told: &ToldFlags, before: Option<&'a Calibration>) -> Option<GainFrom<'a>> {
-    let given = told.gain.map(GainFrom::Given);
-    let spring = told.spring.map(GainFrom::Spring);
-    let added_mass = told.added_mass.zip(before);
+fn gain_from<'a>(model: &KnownFlags, before: Option<&'a Calibration>) -> Option<GainFrom<'a>> {
+    let given = model.gain.map(GainFrom::Given);
+    let spring = model.spring.map(GainFrom::Spring);
+    let added_mass = model.added_mass.zip(before);
     given
         .or(spring)
         .or(added_mass.map(|(mass, before)| GainFrom::AddedMass(mass, before)))
@@ -100,7 +100,7 @@ fn deliver(
     if let Some(jitter) = motion.sample_jitter() {
         calibration.set(Quantity::SampleJitter, jitter);
     }
-    if let Some(from) = gain_from(&arguments.told, before.as_ref()) {
+    if let Some(from) = gain_from(&arguments.model, before.as_ref()) {
         let gain = from.gain(calibration);
         calibration
             .set_gain(gain.map_err(|error| Failure::Declined(format!("no calibration: {error}")))?);

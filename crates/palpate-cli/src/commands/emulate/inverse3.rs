@@ -151,7 +151,7 @@ pub fn run(arguments: &Inverse3EmulatorArguments) -> Result<(), Failure> {
     ));
     let id = arguments.device_id[0].as_str();
     let is_over = |since| stop.is_raised() || until.is_some_and(|until| since >= until);
-    emulator.suffer(id, &arguments.fault, is_over, |words| tell(words));
+    emulator.inject_faults(id, &arguments.fault, is_over, |words| tell(words));
     let largest = emulator
         .received()
         .iter()

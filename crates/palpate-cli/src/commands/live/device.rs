@@ -80,7 +80,7 @@ impl Devices for Named {
         most_lanes(self.arguments.kind())
     }
 
-    fn go_on(&self) -> bool {
+    fn resume(&self) -> bool {
         // Scene and recording restart with the loop.
         !matches!(
             self.arguments.kind(),

@@ -11,7 +11,7 @@ use palpate_device::clock::MonotonicClock;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
 use palpate_scope::{Home, LaneEnd, Session, Setup, Written};
-use palpate_session::{GuardianReport, RunReport, Subject};
+use palpate_session::{RunReport, Subject, WatchdogReport};
 
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
@@ -47,7 +47,7 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
         .then(|| duration("--duration", arguments.duration))
         .transpose()?;
     let request = request(&arguments.realtime);
-    let (safety, told) = (arguments.safety.clone(), arguments.safety.clone());
+    let (safety, model) = (arguments.safety.clone(), arguments.safety.clone());
     let scene_path = path.clone();
     let setup = Setup {
         methods,
@@ -57,10 +57,10 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
         request,
         limits: Box::new(move |device| limits(device, &safety)),
         duration: lasts,
-        receipts: Box::new(move |scene, device| {
+        metadata: Box::new(move |scene, device| {
             let version = env!("CARGO_PKG_VERSION");
-            let receipt = palpate_rt::receipt(version, device, &limits(device, &told), &request);
-            put_scene(receipt, scene, &scene_path).map_err(|error| Failure::from(error).message())
+            let metadata = palpate_rt::metadata(version, device, &limits(device, &model), &request);
+            put_scene(metadata, scene, &scene_path).map_err(|error| Failure::from(error).message())
         }),
         folder: folder(arguments.record.as_deref()),
         record: arguments.record.clone(),
@@ -77,8 +77,8 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     };
     let mut ended = Ok(());
     for lane in end.lanes {
-        let guardian = guarding.report(arguments.device.is_guarded(), &lane.capabilities);
-        add(&mut ended, report(lane, guardian, &asked));
+        let watchdog = guarding.report(arguments.device.is_guarded(), &lane.capabilities);
+        add(&mut ended, report(lane, watchdog, &asked));
     }
     for written in end.recordings {
         add(&mut ended, report_recording(written));
@@ -173,7 +173,7 @@ fn report_recording(written: Written) -> Result<(), Failure> {
 }
 
 /// Reports the outcome of a loop.
-fn report(lane: LaneEnd, guardian: Option<GuardianReport>, asked: &Asked) -> Result<(), Failure> {
+fn report(lane: LaneEnd, watchdog: Option<WatchdogReport>, asked: &Asked) -> Result<(), Failure> {
     let (recording, unwritten) = match lane.recording {
         Some(Written {
             path, ticks: Ok(_), ..
@@ -195,7 +195,7 @@ fn report(lane: LaneEnd, guardian: Option<GuardianReport>, asked: &Asked) -> Res
         &lane.account,
         recording.as_ref(),
     )
-    .guarded(guardian);
+    .guarded(watchdog);
     print(&format!("\n{report}"))?;
     outcome::of(&lane.end, asked, unwritten, recording.as_ref())
 }

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use palpate_device::clock::MonotonicClock;
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_scope::{Home, MOST_LANES, Session, WorldLane, WorldLaneEnd, WorldSetup};
-use palpate_session::{Energies, GuardianReport, NotRendered, RunReport, Subject, lacking_axes};
+use palpate_scope::{Home, MAX_LANES, Session, WorldLane, WorldLaneEnd, WorldSetup};
+use palpate_session::{Energies, NotRendered, RunReport, Subject, WatchdogReport, lacking_axes};
 use palpate_sim::device::SpatialHand;
 
 use super::super::run::world::{known_flags, on_devices};
@@ -31,7 +31,7 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
     let is_virtual =
         |kind: &DeviceName| matches!(kind, DeviceName::Pointer | DeviceName::Simulated);
     let is_virtual = kinds.iter().all(is_virtual);
-    let most = if is_virtual { MOST_LANES } else { 1 };
+    let most = if is_virtual { MAX_LANES } else { 1 };
     if methods.is_empty() || methods.len() > most {
         return Err(Failure::Arguments(format!(
             "--method: {} methods; allowed: one{}",
@@ -109,8 +109,8 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
     let mut ended = Ok(());
     for lane in end.lanes {
         let capabilities: Vec<_> = lane.capabilities.iter().collect();
-        let guardian = guarding.report_of(arguments.device.are_guarded(), &capabilities);
-        add(&mut ended, report(&lane, scene, guardian, &asked));
+        let watchdog = guarding.report_of(arguments.device.are_guarded(), &capabilities);
+        add(&mut ended, report(&lane, scene, watchdog, &asked));
     }
     let failed = end
         .failed
@@ -123,10 +123,10 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
 fn report(
     lane: &WorldLaneEnd,
     scene: &WorldScene,
-    guardian: Option<GuardianReport>,
+    watchdog: Option<WatchdogReport>,
     asked: &Asked,
 ) -> Result<(), Failure> {
-    let books = lane.end.control.rendered().state().books();
+    let ledger = lane.end.control.rendered().state().ledger();
     let subject = Subject {
         title: &scene.title,
         method: lane.method,
@@ -142,8 +142,8 @@ fn report(
         &lane.account,
         None,
     )
-    .with_energies(Energies::of_world(&lane.end, books))
-    .guarded(guardian);
+    .with_energies(Energies::of_world(&lane.end, ledger))
+    .guarded(watchdog);
     print(&format!("\n{report}"))?;
     let outcome = outcome::of(&lane.end, asked, None, None);
     outcome::by_device(outcome, &lane.end, &names(scene))

@@ -91,11 +91,11 @@ pub struct SceneArguments {
     /// Model value of the device mass over the true one
     #[arg(long, value_name = "FACTOR", value_parser = number, default_value_t = 1.0,
           allow_hyphen_values = true)]
-    pub told_mass: f64,
+    pub model_mass: f64,
     /// Model value of the period over the true one
     #[arg(long, value_name = "FACTOR", value_parser = number, default_value_t = 1.0,
           allow_hyphen_values = true)]
-    pub told_period: f64,
+    pub model_period: f64,
     /// Forces that drive device and object together
     #[arg(long, value_enum, default_value_t = ForcesName::Balanced)]
     pub forces: ForcesName,

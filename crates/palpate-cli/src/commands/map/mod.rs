@@ -102,7 +102,7 @@ fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
         device.viscous_friction = not_below("--viscous-friction", friction, 0.0, " N s/m")?;
     }
     device.encoder_quantum = not_below("--encoder-quantum", scene.encoder_quantum, 0.0, " m")?;
-    device.told_mass = factor("--told-mass", scene.told_mass)?;
+    device.model_mass = factor("--model-mass", scene.model_mass)?;
     let named = scene.method.as_ref().map(|methods| &methods.0);
     let params = MapParams {
         cells: usize::from(scene.cells),
@@ -116,7 +116,7 @@ fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
         lag: lag(scene.lag)?,
         delay_deviation: not_below("--delay-deviation", scene.delay_deviation, 0.0, " periods")?,
         lag_deviation: not_below("--lag-deviation", scene.lag_deviation, 0.0, " periods")?,
-        told_period: factor("--told-period", scene.told_period)?,
+        model_period: factor("--model-period", scene.model_period)?,
         forces: match scene.forces {
             ForcesName::Balanced => defaults.forces,
             ForcesName::Weight => Forces::Weight {

@@ -38,9 +38,9 @@ pub fn answer<S: Answering>(
         }
     }
     outcome(served.ended)?;
-    if let Some(trip) = served.safety_stop {
+    if let Some(safety_stop) = served.safety_stop {
         return Err(Failure::MotorsOff(format!(
-            "safety stop until the end: {trip}; there was no force"
+            "safety stop until the end: {safety_stop}; there was no force"
         )));
     }
     if served.has_refused_all {

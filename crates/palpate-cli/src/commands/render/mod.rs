@@ -11,7 +11,7 @@ use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::Recording as OfAHand;
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
-use palpate_sim::run::{MOST_PERIODS, Run};
+use palpate_sim::run::{MAX_PERIODS, Run};
 use palpate_testbed::reference::ReferenceError;
 
 use super::hand_replay::{Recorded, ReplayRuns, close_loop};
@@ -23,7 +23,7 @@ use crate::recorded::trace::{STANDARD_INPUT, how_to_cut, read_trace, tell_gap};
 use crate::results::deliver;
 use crate::setup::{check_contact, wrong_on_bench, wrong_setup};
 use palpate_plot::RunsFigure;
-use palpate_study::report::{RecordedMotion, Replayed, Report, Subject, receipt, told_lines};
+use palpate_study::report::{RecordedMotion, Replayed, Report, Subject, actuation_lines, metadata};
 
 /// Renders a recorded motion by the named methods.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
@@ -50,7 +50,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let outputs = arguments.results.check(&arguments.trace)?;
     let period = setup.loop_params.period;
     // One more period, so that only a recording that cannot fit is rejected.
-    let part = arguments.part.part((MOST_PERIODS + 1) as f64 * period)?;
+    let part = arguments.part.part((MAX_PERIODS + 1) as f64 * period)?;
     let progress = Progress::new(methods.len());
     let name = name(&arguments.trace);
     progress.begin(&format!("reading {name}"));
@@ -104,33 +104,33 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
                 (&setup, &arguments.replay),
                 (&methods, &settings),
                 &progress,
-                &|_, error| in_loop(&name, error),
+                &|_, error| loop_params(&name, error),
             )?
         }
     };
     let title = format!("{}: {name}", replayed.title());
     let subject = Subject::of_replay(title.clone(), &setup);
     let mut report = Report::new(&subject, &reference, &runs);
-    let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
-    receipt.push(("trace".into(), name));
-    let part = arguments.part.receipt();
-    receipt.extend(part.map(|(key, value)| (format!("trace_{key}"), value)));
-    receipt.extend(replayed.receipt());
-    let told = told_lines(
+    let mut metadata = metadata(&subject, setup.object, setup.virtual_force, &runs);
+    metadata.push(("trace".into(), name));
+    let part = arguments.part.metadata();
+    metadata.extend(part.map(|(key, value)| (format!("trace_{key}"), value)));
+    metadata.extend(replayed.metadata());
+    let model = actuation_lines(
         &setup.actuation,
         setup.delay().whole_samples(),
         setup.loop_params.period,
     );
-    let told: Vec<_> = told.collect();
-    let lines = told.iter();
-    receipt.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
-    report.actuated(told);
+    let model: Vec<_> = model.collect();
+    let lines = model.iter();
+    metadata.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
+    report.actuated(model);
     report.replayed(replayed.clone());
     report.moved(motion);
     deliver(
         (&arguments.results, &outputs),
         report,
-        &receipt,
+        &metadata,
         &runs,
         || RunsFigure::of_replay(&replayed, &title, (&reference, &runs), None).sheet(),
         progress,
@@ -180,7 +180,7 @@ fn in_trace(name: &str, period: f64, error: ReplayError) -> Failure {
 }
 
 /// Converts the error of a closed loop from the trace called `name`, or from flags.
-fn in_loop(name: &str, error: LoopError) -> Failure {
+fn loop_params(name: &str, error: LoopError) -> Failure {
     match error {
         LoopError::Setup(error) => wrong_setup(&error),
         LoopError::Bench(error) | LoopError::Ideal(ReferenceError::Scene(error)) => {

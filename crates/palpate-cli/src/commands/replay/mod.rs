@@ -58,7 +58,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     let part = arguments.part.part(f64::INFINITY)?;
     let name = arguments.recording.display().to_string();
     let recording = open(&arguments.recording)?;
-    if recording.receipt.texts.contains_key(RecordedWorld::TEXT) {
+    if recording.metadata.texts.contains_key(RecordedWorld::TEXT) {
         return world::run(arguments, &outputs, &recording);
     }
     let file = scene(&recording)?;
@@ -85,7 +85,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         )),
         other => Failure::input(format_args!("{name}: {other}")),
     };
-    let in_loop = |method, error| match error {
+    let loop_params = |method, error| match error {
         LoopError::Setup(setup) => failure(method, ReplayError::Setup(setup)),
         LoopError::Bench(error) | LoopError::Ideal(ReferenceError::Scene(error)) => {
             wrong_on_bench(&error)
@@ -107,7 +107,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     };
     let ReplayedRecording {
         report,
-        receipt,
+        metadata,
         title,
         reference,
         runs,
@@ -119,13 +119,13 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         .map_err(|error| match error {
             RecordingReplayError::Ticks(error) => Failure::input(error),
             RecordingReplayError::Motion(method, error) => failure(method, error),
-            RecordingReplayError::Hand(error) => wrong_hand(&name, error, &in_loop),
+            RecordingReplayError::Hand(error) => wrong_hand(&name, error, &loop_params),
         })?;
     warn_beyond_reach(&beyond_reach);
     deliver(
         (&arguments.results, &outputs),
         report,
-        &receipt,
+        &metadata,
         &runs,
         || RunsFigure::of_replay(&replayed, &title, (&reference, &runs), Some(&curves)).sheet(),
         progress,

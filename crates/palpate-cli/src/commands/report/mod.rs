@@ -10,7 +10,7 @@ use palpate_calibrate::Calibration;
 use palpate_files::bounded::DEVICE;
 use palpate_record::recording::Recording;
 use palpate_study::card::{
-    CalibrationRun, Card, CardError, CardProgress, MOST_RECORDINGS, Sources, file_name, utc,
+    CalibrationRun, Card, CardError, CardProgress, MAX_RECORDINGS, Sources, file_name, utc,
 };
 
 pub use arguments::ReportArguments;
@@ -102,9 +102,9 @@ fn check(arguments: &ReportArguments) -> Result<Option<PathBuf>, Failure> {
     {
         return wrong("a report needs a source: a recording, --device, or --device-file");
     }
-    if arguments.recordings.len() > MOST_RECORDINGS {
+    if arguments.recordings.len() > MAX_RECORDINGS {
         return Err(Failure::Arguments(format!(
-            "{} recordings are given, but a page has room for {MOST_RECORDINGS}",
+            "{} recordings are given, but a page has room for {MAX_RECORDINGS}",
             arguments.recordings.len()
         )));
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use palpate_device::Device;
 use palpate_device::clock::Clock;
-use palpate_record::recording::{Receipt, Recording};
+use palpate_record::recording::{Recording, RecordingMetadata};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::{Account, ControlLoop, LoopEnd, Renders, StopFlag};
 use palpate_session::{Guarding, drive as drive_loop};
@@ -32,7 +32,7 @@ pub struct Ran<C: Clock, R: Renders> {
 /// Runs a loop until a signal, its last period or the loss of its device ends it. Records it on request.
 pub fn drive<C: Clock, R: Renders + 'static>(
     control: ControlLoop<Box<dyn Device>, C, R>,
-    record: Option<(&Path, Receipt)>,
+    record: Option<(&Path, RecordingMetadata)>,
     request: Request,
     most: Option<u64>,
     guarding: &Guarding,
@@ -41,9 +41,9 @@ pub fn drive<C: Clock, R: Renders + 'static>(
         StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
     let progress = Progress::new(1);
     progress.begin("running; ctrl-C ends it");
-    let to = record.as_ref().map(|(path, receipt)| (*path, receipt));
-    let told = |words: std::fmt::Arguments| tell(words);
-    let ran = drive_loop(control, to, (request, &stop), most, guarding, &told);
+    let to = record.as_ref().map(|(path, metadata)| (*path, metadata));
+    let model = |words: std::fmt::Arguments| tell(words);
+    let ran = drive_loop(control, to, (request, &stop), most, guarding, &model);
     drop(progress);
     let ran = ran.map_err(|error| Failure::System(error.to_string()))?;
     let unwritten = ran

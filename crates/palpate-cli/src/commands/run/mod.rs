@@ -11,7 +11,7 @@ use palpate_device::Capabilities;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, SetupError, receipt};
+use palpate_rt::{ControlLoop, SetupError, metadata};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, Timing};
 use palpate_session::{Guarding, RunReport, Subject};
@@ -62,7 +62,7 @@ fn session(
     })
 }
 
-/// Runs a loop on the scene of `file`, which is at `path`, and records it on request. `told` receives the report of a
+/// Runs a loop on the scene of `file`, which is at `path`, and records it on request. `model` receives the report of a
 /// completed loop.
 ///
 /// # Errors
@@ -71,7 +71,7 @@ pub fn run_session(
     file: &SceneFile,
     (path, record): (&Path, Option<&Path>),
     arguments: &SessionArguments,
-    told: Told<'_>,
+    model: Model<'_>,
 ) -> Result<(), Failure> {
     let flags = &arguments.flags;
     let methods = flags.methods(file.scene.method);
@@ -91,7 +91,7 @@ pub fn run_session(
         record,
         arguments,
         method,
-        told,
+        model,
     };
     if arguments.fast {
         session.on(&SteppedClock::new(), Request::nothing())
@@ -128,11 +128,11 @@ struct Session<'a> {
     record: Option<&'a Path>,
     arguments: &'a SessionArguments,
     method: MethodName,
-    told: Told<'a>,
+    model: Model<'a>,
 }
 
 /// Receiver of a loop's report.
-type Told<'a> = &'a dyn Fn(&RunReport) -> Result<(), Failure>;
+type Model<'a> = &'a dyn Fn(&RunReport) -> Result<(), Failure>;
 
 impl Session<'_> {
     fn on<C: Clock>(&self, clock: &C, request: Request) -> Result<(), Failure> {
@@ -153,9 +153,9 @@ impl Session<'_> {
         let record = match self.record {
             Some(out) => {
                 let version = env!("CARGO_PKG_VERSION");
-                let receipt = receipt(version, &capabilities, &limits, &request);
-                let receipt = put_scene(receipt, self.scene, self.path)?;
-                Some((out, receipt))
+                let metadata = metadata(version, &capabilities, &limits, &request);
+                let metadata = put_scene(metadata, self.scene, self.path)?;
+                Some((out, metadata))
             }
             None => None,
         };
@@ -179,7 +179,7 @@ impl Session<'_> {
             recording.as_ref(),
         )
         .guarded(guarding.report(arguments.is_guarded(), &capabilities));
-        (self.told)(&report)?;
+        (self.model)(&report)?;
         let asked = Asked {
             duration: self.arguments.duration,
             // A recorded motion ends by itself.

@@ -5,7 +5,7 @@ use std::time::Duration;
 use palpate_device::Device;
 use palpate_device::clock::Clock;
 use palpate_record::recording::Recording;
-use palpate_rt::safety::Trip;
+use palpate_rt::safety::SafetyStop;
 use palpate_rt::{Ending, LoopEnd, LoopStatistics, Renders};
 
 use crate::failure::Failure;
@@ -62,8 +62,8 @@ pub fn by_device<D: Device, C: Clock, R: Renders>(
     end: &LoopEnd<D, C, R>,
     names: &[&str],
 ) -> Result<(), Failure> {
-    let tripped = end.control.tripped_device().filter(|_| names.len() > 1);
-    let name = tripped.and_then(|(device, _)| names.get(device));
+    let stopped = end.control.stopped_device().filter(|_| names.len() > 1);
+    let name = stopped.and_then(|(device, _)| names.get(device));
     match (outcome, name) {
         (Err(failure), Some(name))
             if end.ending == Ending::DeviceLost || matches!(failure, Failure::MotorsOff(_)) =>
@@ -106,15 +106,15 @@ fn motors<D: Device, C: Clock, R: Renders>(
     asked: &Asked,
 ) -> Result<(), Failure> {
     let statistics = &end.statistics;
-    let stays = |trip: &Trip| match trip {
-        Trip::DeviceLost => !asked.device_may_end,
+    let stays = |safety_stop: &SafetyStop| match safety_stop {
+        SafetyStop::DeviceLost => !asked.device_may_end,
         other => !other.is_passing() || statistics.off_at_end >= NO_MOMENT,
     };
     let time = statistics.time;
     let words = || motors_off(Some(time), statistics.motors_off, statistics.ticks);
-    if let Some(trip) = end.trip.filter(stays) {
+    if let Some(safety_stop) = end.safety_stop.filter(stays) {
         return Err(Failure::MotorsOff(format!(
-            "{}; when it ended: {trip}",
+            "{}; when it ended: {safety_stop}",
             words()
         )));
     }

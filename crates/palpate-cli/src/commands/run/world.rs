@@ -4,9 +4,9 @@ use std::path::Path;
 
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_files::bounded::SCENE;
-use palpate_record::recording::Receipt;
+use palpate_record::recording::RecordingMetadata;
 use palpate_rt::realtime::Request;
-use palpate_rt::{ControlLoop, OnDevice, RenderedWorld, SetupError, receipt_of_devices};
+use palpate_rt::{ControlLoop, OnDevice, RenderedWorld, SetupError, metadata_of_devices};
 use palpate_scene::world::WorldFile;
 use palpate_session::{Energies, NotRendered, RunReport, Subject, lacking_axes, rendered};
 
@@ -100,8 +100,8 @@ impl Session<'_> {
         let most = most_periods(arguments.duration, control.period())?;
         let record = match self.record {
             Some(out) => {
-                let receipt = receipt_of_devices(env!("CARGO_PKG_VERSION"), &on, &request);
-                Some((out, put(receipt, self.path, method)?))
+                let metadata = metadata_of_devices(env!("CARGO_PKG_VERSION"), &on, &request);
+                Some((out, put(metadata, self.path, method)?))
             }
             None => None,
         };
@@ -112,7 +112,7 @@ impl Session<'_> {
             recording,
             unwritten,
         } = drive(control, record, request, most, &guarding)?;
-        let books = end.control.rendered().state().books();
+        let ledger = end.control.rendered().state().ledger();
         let capabilities: Vec<_> = on.iter().map(|on| &on.capabilities).collect();
         let guarded = guarding.report_of(arguments.device.are_guarded(), &capabilities);
         let report = RunReport::of_devices(
@@ -128,7 +128,7 @@ impl Session<'_> {
             &account,
             recording.as_ref(),
         )
-        .with_energies(Energies::of_world(&end, books))
+        .with_energies(Energies::of_world(&end, ledger))
         .guarded(guarded);
         print_report(&report, arguments.json)?;
         let asked = Asked {
@@ -174,12 +174,16 @@ pub fn on_devices(
 }
 
 /// Adds the world's file and the rendering method to the metadata.
-pub fn put(receipt: Receipt, path: &Path, method: &str) -> Result<Receipt, Failure> {
+pub fn put(
+    metadata: RecordingMetadata,
+    path: &Path,
+    method: &str,
+) -> Result<RecordingMetadata, Failure> {
     let name = path.display().to_string();
     let text = SCENE
         .text(path)
         .map_err(|error| Failure::System(format!("{name}: {error}")))?;
-    Ok(receipt
+    Ok(metadata
         .with("world", &text)
         .with("method", &format!("name = \"{method}\"\n")))
 }

@@ -23,7 +23,7 @@ use crate::progress::Progress;
 use crate::results::deliver;
 use crate::setup::{wrong_flag, wrong_setup};
 use palpate_plot::{Devices, RunsFigure};
-use palpate_study::report::{Report, Subject, actuator_of, plant_receipt, receipt};
+use palpate_study::report::{Report, Subject, actuator_of, metadata, plant_metadata};
 
 /// Simulates a scene by the named methods, or by its own.
 pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
@@ -69,12 +69,12 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         of_further.push(Report::new(&Subject::of(scene), bench.reference(), &runs));
     }
     let subject = Subject::of(&scene);
-    let mut receipt = receipt(&subject, scene.object, scene.virtual_force, &runs);
-    receipt.extend(plant_receipt(&scene));
+    let mut metadata = metadata(&subject, scene.object, scene.virtual_force, &runs);
+    metadata.extend(plant_metadata(&scene));
     let actuator = actuator_of(&scene);
     let lines = actuator.iter();
-    receipt.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
-    receipt.push(("scene".into(), arguments.scene.display().to_string()));
+    metadata.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
+    metadata.push(("scene".into(), arguments.scene.display().to_string()));
     let mut report = Report::new(&subject, bench.reference(), &runs);
     report.actuated(actuator);
     if !of_further.is_empty() {
@@ -83,7 +83,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     deliver(
         (&arguments.results, &outputs),
         report,
-        &receipt,
+        &metadata,
         &runs,
         || {
             let figure = RunsFigure {
@@ -146,7 +146,7 @@ pub(super) enum AnyScene {
 pub(super) fn read_any(path: &Path) -> Result<AnyScene, Failure> {
     let name = path.display().to_string();
     let text = read_text(path)?;
-    if WorldFile::is_one(&text) {
+    if WorldFile::is_world_file(&text) {
         let file = WorldFile::parse(&name, &text).map_err(Failure::inputs)?;
         for note in file.notes() {
             tell(note);
@@ -182,7 +182,7 @@ fn read_text(path: &Path) -> Result<String, Failure> {
 }
 
 /// Smallest number of points of a recorded intention: a path of fewer points is handwritten, and they may be far apart.
-const LEAST_RECORDED: usize = 20;
+const MIN_RECORDED: usize = 20;
 
 /// Warns of a period that is unusual for a haptic loop, and of a motion that is unusual for a hand.
 fn tell_doubts(name: &str, scene: &Scene) {
@@ -193,7 +193,7 @@ fn tell_doubts(name: &str, scene: &Scene) {
     let Some(Intention::Recorded(path)) = scene.device.grip().map(|grip| &grip.intention) else {
         return;
     };
-    if path.times().len() >= LEAST_RECORDED
+    if path.times().len() >= MIN_RECORDED
         && let Some(spacing) = Spacing::implausible(path.times())
     {
         let column = spacing.likely_unit().map_or_else(String::new, |unit| {

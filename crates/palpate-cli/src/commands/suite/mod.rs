@@ -9,7 +9,7 @@ use palpate_files::bounded::SCENE;
 use palpate_files::outputs::Outputs;
 use palpate_scene::method::MethodName;
 use palpate_study::suite::report::SuiteReport;
-use palpate_study::suite::{self, Column, Judged, table};
+use palpate_study::suite::{self, Column, Evaluated, table};
 
 use crate::arguments::{Compared, SuiteArguments};
 use crate::failure::Failure;
@@ -29,7 +29,7 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
     let columns = arguments.compared.columns_or(|| set.columns())?;
     let progress = Progress::new(plants * arguments.seeds as usize);
     progress.begin("plants");
-    let mut judged = Vec::new();
+    let mut evaluated = Vec::new();
     let mut scores = Vec::new();
     for seed in seeds.clone() {
         let of_seed = suite::run(set, seed, plants, &columns, || progress.advance());
@@ -37,18 +37,18 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
         scores.push(suite::scores(&of_seed));
         // Only the files of rows and scenes need more than the scores.
         if arguments.out.is_some() || arguments.write_scenes.is_some() {
-            judged.extend(of_seed);
+            evaluated.extend(of_seed);
         }
     }
     drop(progress);
 
     let mut report = SuiteReport::of_seeds(set, arguments.seed, &columns, &scores);
     if let Some(folder) = &arguments.write_scenes {
-        report.wrote(&write_scenes(&outputs, folder, &judged)?);
+        report.wrote(&write_scenes(&outputs, folder, &evaluated)?);
     }
     if let Some(path) = &arguments.out {
         outputs.write(path, |writer| {
-            table::write(writer, set, &seeds, &columns, &judged).map_err(std::io::Error::from)
+            table::write(writer, set, &seeds, &columns, &evaluated).map_err(std::io::Error::from)
         })?;
         report.wrote(path);
     }
@@ -143,8 +143,12 @@ fn scene_file(folder: &Path, index: usize) -> PathBuf {
 }
 
 /// Writes each plant into a separate file in `folder`. Returns their common name.
-fn write_scenes(outputs: &Outputs, folder: &Path, judged: &[Judged]) -> Result<PathBuf, Failure> {
-    for one in judged {
+fn write_scenes(
+    outputs: &Outputs,
+    folder: &Path,
+    evaluated: &[Evaluated],
+) -> Result<PathBuf, Failure> {
+    for one in evaluated {
         let path = scene_file(folder, one.plant.index);
         let text = one.plant.scene.to_toml().map_err(Failure::input)?;
         outputs.write(&path, |writer| writer.write_all(text.as_bytes()))?;

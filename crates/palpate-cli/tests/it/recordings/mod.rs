@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use palpate_record::recording::{
-    ContactTick, Event, Flags, LoopCount, Phase, Receipt, RecordingWriter, Row, Tick,
+    ContactTick, Event, Flags, LoopCount, Phase, RecordingMetadata, RecordingWriter, Row, Tick,
 };
 use palpate_scene::method::MethodName;
 use palpate_scene::{Jitter, SceneFile};
@@ -53,7 +53,7 @@ pub fn row(run: &Run, at: usize) -> Row {
             object_position: tick.output.object_position,
             object_velocity: tick.output.object_velocity,
             penetration: tick.output.penetration,
-            placement_shift: tick.output.placement_shift,
+            object_shift: tick.output.object_shift,
             force_on_object: tick.output.force_on_object,
             force_on_device: tick.output.force_on_device,
             stored_energy: ledger.stored,
@@ -79,8 +79,8 @@ pub fn append(writer: &mut RecordingWriter, row: &Row) {
 
 /// Records a run, without the ticks that `keeps` rejects.
 pub fn write(path: &Path, text: &str, run: &Run, keeps: impl Fn(usize) -> bool) {
-    let receipt = Receipt::new("0.1.0").with("scene", text);
-    let mut writer = RecordingWriter::create(path, &receipt).unwrap();
+    let metadata = RecordingMetadata::new("0.1.0").with("scene", text);
+    let mut writer = RecordingWriter::create(path, &metadata).unwrap();
     for at in (0..run.ticks.len()).filter(|&at| keeps(at)) {
         append(&mut writer, &row(run, at));
     }

@@ -132,7 +132,7 @@ pub(super) struct Link {
     /// Current reason why the device accepts no forces.
     unfit: AtomicU8,
     /// Earlier reason that the loop has not yet received.
-    untold: AtomicU8,
+    unmodelled: AtomicU8,
     cut: AtomicBool,
     ending: AtomicBool,
     pub counts: AtomicCounts,
@@ -157,7 +157,7 @@ impl Link {
             last_frame: AtomicU64::new(0),
             gone: AtomicU8::new(0),
             unfit: AtomicU8::new(0),
-            untold: AtomicU8::new(0),
+            unmodelled: AtomicU8::new(0),
             cut: AtomicBool::new(false),
             ending: AtomicBool::new(false),
             counts: AtomicCounts::default(),
@@ -249,14 +249,14 @@ impl Link {
         if self.unfit.swap(code, Ordering::AcqRel) != code && code != 0 {
             // Keep the first cause.
             let _ = self
-                .untold
+                .unmodelled
                 .compare_exchange(0, code, Ordering::AcqRel, Ordering::Acquire);
         }
     }
 
     /// Records a reason without an end of its own.
     pub fn was_unfit(&self, cause: Cause) {
-        self.untold.store(cause as u8, Ordering::Release);
+        self.unmodelled.store(cause as u8, Ordering::Release);
     }
 
     /// Returns whether only a new connection helps.
@@ -266,7 +266,7 @@ impl Link {
 
     /// Returns the reason why the device receives no force now, if any.
     pub fn unfit(&self) -> Option<Cause> {
-        Cause::of(self.untold.load(Ordering::Acquire))
+        Cause::of(self.unmodelled.load(Ordering::Acquire))
             .or_else(|| Cause::of(self.unfit.load(Ordering::Acquire)))
     }
 
@@ -279,14 +279,17 @@ impl Link {
 
     /// Returns the error for the loop. An earlier reason is then cleared, but the loop's older orders stay cut.
     pub fn tell(&self) -> Option<DeviceError> {
-        let untold = self.untold.load(Ordering::Acquire);
+        let unmodelled = self.unmodelled.load(Ordering::Acquire);
         let error = self.error()?;
-        if untold != 0 {
+        if unmodelled != 0 {
             self.cut();
             // Clear only the reported reason; another one may have followed.
-            let _ = self
-                .untold
-                .compare_exchange(untold, 0, Ordering::AcqRel, Ordering::Acquire);
+            let _ = self.unmodelled.compare_exchange(
+                unmodelled,
+                0,
+                Ordering::AcqRel,
+                Ordering::Acquire,
+            );
         }
         Some(error)
     }
@@ -436,8 +439,8 @@ mod tests {
             link.set_unfit(None);
         }
         assert_eq!(link.unfit(), Some(Cause::NoPower));
-        let told = link.tell();
-        assert_eq!(told, Some(Cause::NoPower.error()));
+        let messages = link.tell();
+        assert_eq!(messages, Some(Cause::NoPower.error()));
         assert_eq!((link.unfit(), link.tell()), (None, None));
         // Orders older than the report are ignored.
         assert!(link.is_cut());

@@ -17,7 +17,7 @@ WAYS = {
     "lz4": dict(compression=CompressionType.LZ4),
     "zstd": dict(compression=CompressionType.ZSTD),
     "unchunked": dict(use_chunking=False),
-    "receipt-last": dict(compression=CompressionType.ZSTD),
+    "metadata-last": dict(compression=CompressionType.ZSTD),
 }
 
 
@@ -26,13 +26,13 @@ def main(source):
         with open(source, "rb") as recording, open(Path(__file__).parent / f"{name}.mcap", "wb") as out:
             reader = make_reader(recording)
             messages = list(reader.iter_messages(log_time_order=False))
-            receipts = list(reader.iter_metadata())
+            metadata = list(reader.iter_metadata())
             # Small chunks, so that there are several.
             writer = Writer(out, chunk_size=700, **options)
             writer.start()
-            if name != "receipt-last":
-                for receipt in receipts:
-                    writer.add_metadata(receipt.name, receipt.metadata)
+            if name != "metadata-last":
+                for metadata in metadata:
+                    writer.add_metadata(metadata.name, metadata.metadata)
             channels = {}
             for schema, channel, message in messages:
                 if channel.id not in channels:
@@ -43,9 +43,9 @@ def main(source):
                 writer.add_message(
                     channels[channel.id], message.log_time, message.data, message.publish_time, message.sequence
                 )
-            if name == "receipt-last":
-                for receipt in receipts:
-                    writer.add_metadata(receipt.name, receipt.metadata)
+            if name == "metadata-last":
+                for metadata in metadata:
+                    writer.add_metadata(metadata.name, metadata.metadata)
             writer.finish()
 
 

@@ -9,7 +9,7 @@ use palpate_device::clock::{Clock, SteppedClock};
 use palpate_device::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter};
 use palpate_record::recording::Flags;
 use palpate_rt::realtime::Request;
-use palpate_rt::safety::Trip;
+use palpate_rt::safety::SafetyStop;
 use palpate_rt::{ControlLoop, Ending, LoopThread, StopFlag};
 
 use super::{Several, two_points};
@@ -149,6 +149,6 @@ fn answers_of_several_devices_take_their_time_one_after_the_other() {
     for _ in 0..10 {
         control.tick();
     }
-    assert_eq!(control.trip(), Some(Trip::Stalled));
+    assert_eq!(control.safety_stop(), Some(SafetyStop::Stalled));
     assert_eq!(forces(&held), [0.0; 2]);
 }

@@ -72,34 +72,34 @@ delay_samples = 0 -> lag_s = 1e13
 delay_samples = 0 -> gain = 0
   25:8: loop.gain is 0, but must be finite and greater than 0
   0
-delay_samples = 0 -> [told]\ngain = 0
-  26:8: told.gain is 0, but must be finite and greater than 0
+delay_samples = 0 -> [model]\ngain = 0
+  26:8: model.gain is 0, but must be finite and greater than 0
   0
-delay_samples = 0 -> [told]\ndelay_s = 0.2
-  26:11: told.delay_s is 0.2 s, but must be from 0 s to 8 periods
+delay_samples = 0 -> [model]\ndelay_s = 0.2
+  26:11: model.delay_s is 0.2 s, but must be from 0 s to 8 periods
   0.2
-delay_samples = 0 -> [told]\ndelay_deviation_s = -1e-5
-  26:21: told.delay_deviation_s is -0.00001 s, but must be finite and not below 0
+delay_samples = 0 -> [model]\ndelay_deviation_s = -1e-5
+  26:21: model.delay_deviation_s is -0.00001 s, but must be finite and not below 0
   -1e-5
-delay_samples = 0 -> [told]\nlag_s = nan
-  26:9: told.lag_s is NaN s, but must be finite and not below 0
+delay_samples = 0 -> [model]\nlag_s = nan
+  26:9: model.lag_s is NaN s, but must be finite and not below 0
   nan
-delay_samples = 0 -> [told]\nsensor_noise_m = -1e-6
-  26:18: told.sensor_noise_m is -0.000001 m, but must be finite and not below 0
+delay_samples = 0 -> [model]\nsensor_noise_m = -1e-6
+  26:18: model.sensor_noise_m is -0.000001 m, but must be finite and not below 0
   -1e-6
-delay_samples = 0 -> [told]\ndelay = 1
+delay_samples = 0 -> [model]\ndelay = 1
   26:1: unknown key delay, did you mean delay_s? Known here: delay_s, delay_deviation_s, lag_s, lag_deviation_s, gain, gain_deviation, sensor_noise_m, resonance_hz, resonance_damping_ratio, flexible_mass_fraction
   delay
-delay_samples = 0 -> [told]\nresonance_hz = 0\nresonance_damping_ratio = 0.1\nflexible_mass_fraction = 0.5
-  26:16: told.resonance_hz is 0 Hz, but must be finite and greater than 0
+delay_samples = 0 -> [model]\nresonance_hz = 0\nresonance_damping_ratio = 0.1\nflexible_mass_fraction = 0.5
+  26:16: model.resonance_hz is 0 Hz, but must be finite and greater than 0
   0
-delay_samples = 0 -> [told]\nresonance_hz = 9\nresonance_damping_ratio = 1.5\nflexible_mass_fraction = 0.5
-  27:27: told.resonance_damping_ratio is 1.5, but must be from 0 to 1
+delay_samples = 0 -> [model]\nresonance_hz = 9\nresonance_damping_ratio = 1.5\nflexible_mass_fraction = 0.5
+  27:27: model.resonance_damping_ratio is 1.5, but must be from 0 to 1
   1.5
-delay_samples = 0 -> [told]\nresonance_hz = 9\nresonance_damping_ratio = 0.1\nflexible_mass_fraction = 1
-  28:26: told.flexible_mass_fraction is 1, but must be from 0 to below 1
+delay_samples = 0 -> [model]\nresonance_hz = 9\nresonance_damping_ratio = 0.1\nflexible_mass_fraction = 1
+  28:26: model.flexible_mass_fraction is 1, but must be from 0 to below 1
   1
-delay_samples = 0 -> [told]\nresonance_hz = 150
+delay_samples = 0 -> [model]\nresonance_hz = 150
   26:16: a transmission is told by resonance_hz, resonance_damping_ratio and flexible_mass_fraction, all three
   150"#,
         16,

@@ -38,12 +38,12 @@ fn the_committed_scenes_read_back_from_what_is_written_of_them() {
 fn every_key_is_written() {
     assert_written("good", GOOD);
     let edit = |from, to| assert_written("edited", &edited(from, to));
-    let told = edit(
+    let model = edit(
         "unilateral = false",
         "device_mass_kg = 0.3\nunilateral = true",
     );
-    assert_eq!(told.told_device_mass, Some(0.3));
-    assert!(told.contact.unilateral);
+    assert_eq!(model.model_device_mass, Some(0.3));
+    assert!(model.contact.unilateral);
     for (from, to) in [
         ("\"a block\"", "\"a \\\"block\\\", \\\\ and a\\ttab\""),
         ("mass_kg = 0.1\n", "mass_kg = inf\n"),
@@ -71,7 +71,7 @@ fn every_key_is_written() {
         ("delay_samples = 0", "delay_samples = 3"),
         (
             "delay_samples = 0",
-            "delay_s = 0.0123\ncommand_jitter_s = 0.001\nlag_s = 3e-4\ngain = 0.97\n\n[told]\n\
+            "delay_s = 0.0123\ncommand_jitter_s = 0.001\nlag_s = 3e-4\ngain = 0.97\n\n[model]\n\
              delay_s = 0.013\ndelay_deviation_s = 1e-5\nlag_s = 2e-4\nlag_deviation_s = 1e-4\n\
              gain = 1.01\ngain_deviation = 0.02\nsensor_noise_m = 5e-6\nresonance_hz = 140\nresonance_damping_ratio = 0.03\n\
              flexible_mass_fraction = 0.4",

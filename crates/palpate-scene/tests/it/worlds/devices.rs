@@ -91,14 +91,14 @@ fn own_axes_on_a_device_that_lacks_an_axis_of_the_world() {
     let along_z = with(
         "axes = [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]]\nmass_kg = [0.1, 0.2, 0.3]",
     );
-    let told = along_z.with_axes(0, [true, true, false]);
-    assert_eq!(told.world.tools[0].axes, [true, true, false]);
-    assert_eq!(told.devices[0].mass, [0.1, 0.2, f64::INFINITY]);
-    assert!(told.renderer("coupled").is_ok());
+    let model = along_z.with_axes(0, [true, true, false]);
+    assert_eq!(model.world.tools[0].axes, [true, true, false]);
+    assert_eq!(model.devices[0].mass, [0.1, 0.2, f64::INFINITY]);
+    assert!(model.renderer("coupled").is_ok());
     let oblique = with("axes = [[2, 2, 1], [-2, 1, 2], [1, -2, 2]]\nmass_kg = [0.1, 0.2, 0.3]");
     assert!(oblique.renderer("coupled").is_ok());
-    let told = oblique.with_axes(0, [true, true, false]);
-    let faults = told.renderer("coupled").unwrap_err();
+    let model = oblique.with_axes(0, [true, true, false]);
+    let faults = model.renderer("coupled").unwrap_err();
     assert!(
         faults[0].to_string().contains("has none of its own axes"),
         "{}",

@@ -51,7 +51,7 @@ fn said(source: &str) -> Vec<String> {
 
 #[test]
 fn a_world_is_read_with_its_devices_bodies_and_contacts() {
-    assert!(WorldFile::is_one(BALL));
+    assert!(WorldFile::is_world_file(BALL));
     let as_one_contact = palpate_scene::SceneFile::parse("ball.toml", BALL).unwrap_err();
     assert!(
         as_one_contact
@@ -77,7 +77,7 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     // Without a place of its own the hand's spring rests where the device begins.
     assert_eq!(device.hand.rest, device.position);
     assert_eq!(scene.render.device_mass, [[0.375; 3]]);
-    // Without `[told]`, the model values equal the true ones.
+    // Without `[model]`, the model values equal the true ones.
     assert_eq!(scene.render.actuator, scene.timing.actuator);
     let [ball, floor] = &scene.world.bodies[..] else {
         panic!("two bodies")
@@ -370,7 +370,7 @@ fn a_guard_is_read_and_its_faults_are_said() {
     let with = |guard: &str| BALL.replace("[render]", &format!("[render]\nguard = {guard}"));
     let read = |guard: &str| {
         let scene = WorldFile::parse("ball.toml", &with(guard)).unwrap().scene;
-        assert_eq!(scene.in_loop().guard, scene.render.guard);
+        assert_eq!(scene.loop_params().guard, scene.render.guard);
         scene.render.guard
     };
     assert_eq!(

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use palpate::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
-use palpate_record::recording::{Column, Receipt, columns};
+use palpate_record::recording::{Column, RecordingMetadata, columns};
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
@@ -67,7 +67,7 @@ impl Devices for Pointers {
         self.most
     }
 
-    fn go_on(&self) -> bool {
+    fn resume(&self) -> bool {
         true
     }
 
@@ -162,9 +162,9 @@ impl Stage {
                 ..SafetyParams::default()
             }),
             duration: play.duration,
-            receipts: Box::new(|scene, _| {
+            metadata: Box::new(|scene, _| {
                 let text = scene.to_toml().map_err(|error| error.to_string())?;
-                Ok(Receipt::new("test").with("scene", &text))
+                Ok(RecordingMetadata::new("test").with("scene", &text))
             }),
             folder: folder.path().to_path_buf(),
             record: None,
@@ -272,7 +272,7 @@ impl Samples {
 
 /// Received message.
 #[derive(Clone, Debug)]
-pub enum Told {
+pub enum Received {
     Text(Value),
     Samples(Samples),
 }
@@ -306,11 +306,11 @@ impl Client {
         self.socket.send(Message::text(text)).unwrap();
     }
 
-    pub fn next(&mut self) -> Told {
+    pub fn next(&mut self) -> Received {
         loop {
             match self.socket.read().unwrap() {
-                Message::Text(text) => return Told::Text(serde_json::from_str(&text).unwrap()),
-                Message::Binary(bytes) => return Told::Samples(Samples::read(&bytes)),
+                Message::Text(text) => return Received::Text(serde_json::from_str(&text).unwrap()),
+                Message::Binary(bytes) => return Received::Samples(Samples::read(&bytes)),
                 Message::Close(frame) => panic!("closed: {frame:?}"),
                 _ => {}
             }
@@ -322,7 +322,7 @@ impl Client {
         let end = Instant::now() + PATIENCE;
         let mut last = Value::Null;
         while Instant::now() < end {
-            if let Told::Text(text) = self.next()
+            if let Received::Text(text) = self.next()
                 && text["type"] == kind
             {
                 if fits(&text) {
@@ -342,7 +342,7 @@ impl Client {
     pub fn frame(&mut self, fits: impl Fn(&Samples) -> bool) -> Samples {
         let end = Instant::now() + PATIENCE;
         while Instant::now() < end {
-            if let Told::Samples(samples) = self.next()
+            if let Received::Samples(samples) = self.next()
                 && fits(&samples)
             {
                 return samples;
@@ -369,15 +369,15 @@ impl Client {
     /// Checks that loop and server continue: the loop ticks, and this client receives its status.
     pub fn is_well(&mut self) {
         let ticks = |text: &Value| text["lanes"][0]["ticks"].as_u64().unwrap();
-        let mut told = vec![ticks(&self.text("status"))];
+        let mut messages = vec![ticks(&self.text("status"))];
         // Two status messages are half a second apart. An earlier restart request resets the count of ticks, so some
         // pairs may decrease.
-        while !told.windows(2).any(|pair| pair[1] > pair[0] + 50) {
-            assert!(told.len() < 12, "ticks of a lane: {told:?}");
-            told.push(ticks(&self.text("status")));
+        while !messages.windows(2).any(|pair| pair[1] > pair[0] + 50) {
+            assert!(messages.len() < 12, "ticks of a lane: {messages:?}");
+            messages.push(ticks(&self.text("status")));
         }
         let lanes = &self.text("status")["lanes"];
-        assert_eq!(lanes[0]["untold"], 0, "{lanes}");
+        assert_eq!(lanes[0]["unmodelled"], 0, "{lanes}");
         let frame = self.frame(|_| true);
         self.frame(|next| next.number == frame.number + 1);
     }

@@ -98,7 +98,7 @@ fn scenes(period: f64) -> [(&'static str, WorldScene); 2] {
 }
 
 /// A loop whose integration is as good as exact.
-fn fine(in_loop: WorldLoop) -> WorldLoop {
+fn fine(loop_params: WorldLoop) -> WorldLoop {
     WorldLoop {
         sub_steps: SubSteps {
             least: 64,
@@ -107,7 +107,7 @@ fn fine(in_loop: WorldLoop) -> WorldLoop {
             refined: 100,
             ..SubSteps::default()
         },
-        ..in_loop
+        ..loop_params
     }
 }
 
@@ -121,20 +121,21 @@ fn exact(scene: &WorldScene) -> CoupledParams {
 }
 
 fn error(run: &WorldRun) -> f64 {
-    run.judgement.sum.unwrap().mean_force_error
+    run.evaluation.sum.unwrap().mean_force_error
 }
 
 /// E of coupled rendering that knows the device `[%]`.
 fn known(bench: &WorldBench, scene: &WorldScene) -> f64 {
-    let renderer = WorldRenderer::new(&scene.world, fine(scene.in_loop()), exact(scene)).unwrap();
+    let renderer =
+        WorldRenderer::new(&scene.world, fine(scene.loop_params()), exact(scene)).unwrap();
     error(&bench.run("coupled", &renderer).unwrap())
 }
 
 /// Returns the scene with only the initial mass matrix as its model value.
-fn told_the_start(scene: &WorldScene) -> WorldScene {
-    let mut told = scene.clone();
-    told.world.tools[0].mass_table = None;
-    told
+fn model_the_start(scene: &WorldScene) -> WorldScene {
+    let mut model = scene.clone();
+    model.world.tools[0].mass_table = None;
+    model
 }
 
 #[test]
@@ -150,16 +151,16 @@ fn a_known_linkage_is_rendered_through_its_table() {
             });
             assert!(high - low > 0.08, "{name}: {low} to {high}");
             let all = known(&bench, &scene);
-            let start = known(&bench, &told_the_start(&scene));
-            let as_it_comes = |told: &WorldScene, factor: f64, method: &str| {
-                let mut told = told.clone();
-                told.render.device_mass[0] = told.render.device_mass[0].map(|mass| factor * mass);
-                error(&bench.run(method, &told.renderer(method).unwrap()).unwrap())
+            let start = known(&bench, &model_the_start(&scene));
+            let as_it_comes = |model: &WorldScene, factor: f64, method: &str| {
+                let mut model = model.clone();
+                model.render.device_mass[0] = model.render.device_mass[0].map(|mass| factor * mass);
+                error(&bench.run(method, &model.renderer(method).unwrap()).unwrap())
             };
             let [comes, wrong, of_start, basic] = [
                 as_it_comes(&scene, 1.0, "coupled"),
                 as_it_comes(&scene, 1.5, "coupled"),
-                as_it_comes(&told_the_start(&scene), 1.0, "coupled"),
+                as_it_comes(&model_the_start(&scene), 1.0, "coupled"),
                 as_it_comes(&scene, 1.0, "basic"),
             ];
             println!(
@@ -188,7 +189,7 @@ fn a_table_of_one_matrix_is_a_device_of_that_mass() {
     let scene = parsed(CHANNEL, table, 0.002);
     let bench = WorldBench::new(&scene).unwrap();
     let run = |scene: &WorldScene| bench.run("coupled", &scene.renderer("coupled").unwrap());
-    let [one, other] = [scene.clone(), told_the_start(&scene)].map(|scene| run(&scene).unwrap());
+    let [one, other] = [scene.clone(), model_the_start(&scene)].map(|scene| run(&scene).unwrap());
     let forces = |run: &WorldRun| -> Vec<f64> {
         run.commanded.iter().flat_map(|forces| forces[0]).collect()
     };
@@ -223,16 +224,16 @@ hand_torque_n_m = [1e-3, 0.0, 2e-3]
             .run("coupled", &scene.renderer("coupled").unwrap())
             .unwrap();
         assert_eq!(run.refused, 0, "{name}");
-        let book = &run.books.devices[0];
+        let entry = &run.ledger.devices[0];
         let work: f64 = run
-            .books
+            .ledger
             .contacts
             .iter()
-            .map(|book| book.work_on_avatar)
+            .map(|entry| entry.work_on_proxy)
             .sum();
-        let leak = book.held - work;
-        let off = leak - (book.offset - book.velocity_offset + book.unpaid);
-        let at_port = book.port_work + book.carried - book.held - book.unforeseen;
+        let leak = entry.held - work;
+        let off = leak - (entry.offset - entry.velocity_offset + entry.unpaid);
+        let at_port = entry.port_work + entry.carried - entry.held - entry.unforeseen;
         println!("{name}: leak {leak:e} J, off by {off:e} J and {at_port:e} J");
         assert!(work.abs() > 1e-3 && off.abs() < 1e-12 && at_port.abs() < 1e-12);
     }
@@ -241,10 +242,10 @@ hand_torque_n_m = [1e-3, 0.0, 2e-3]
 #[test]
 fn a_renderer_may_be_told_a_factor() {
     let source = format!("{CHANNEL}\n[render]\ndevice_mass_factor = 1.5\n");
-    let (told, scene) = (parsed(&source, &five_bar(), 0.001), &scenes(0.001)[0].1);
+    let (model, scene) = (parsed(&source, &five_bar(), 0.001), &scenes(0.001)[0].1);
     for axis in 0..2 {
         let true_mass = scene.devices[0].mass[axis];
-        assert_eq!(told.devices[0].mass[axis], true_mass);
-        assert_eq!(told.render.device_mass[0][axis], 1.5 * true_mass);
+        assert_eq!(model.devices[0].mass[axis], true_mass);
+        assert_eq!(model.render.device_mass[0][axis], 1.5 * true_mass);
     }
 }

@@ -89,7 +89,7 @@ fn the_spring_force_leaks_k_dxi_times_half_dxi_less_deta() {
         let case = Case::random(&mut random);
         let now = random.between(0.0, 3e-3);
         let next = now + random.between(-2e-3, 2e-3);
-        let books = [
+        let trials = [
             AnyParams::Basic,
             AnyParams::Hfcr(HfcrParams::modified_force_only()),
         ]
@@ -99,7 +99,7 @@ fn the_spring_force_leaks_k_dxi_times_half_dxi_less_deta() {
             let (second, ledger) = trial.peek(next);
             (first, second, ledger)
         });
-        let (first, second, ledger) = &books[0];
+        let (first, second, ledger) = &trials[0];
         if first.penetration <= 0.0 || second.penetration <= 0.0 {
             continue;
         }
@@ -107,7 +107,7 @@ fn the_spring_force_leaks_k_dxi_times_half_dxi_less_deta() {
         let (dxi, deta) = (next - now, second.object_position - first.object_position);
         let expected = case.stiffness * dxi * (0.5 * dxi - deta);
         let scale = case.stiffness * 1e-5 + case.stored(now, object(first)).abs();
-        for (_, _, ledger) in &books {
+        for (_, _, ledger) in &trials {
             let leak = ledger.original_leak.last;
             assert!((leak - expected).abs() < 1e-12 * scale, "{leak} {expected}");
         }

@@ -1,16 +1,16 @@
 //! A device of six axes that its hand presses for long.
 
 use palpate_scene::world::WorldScene;
-use palpate_sim::world::as_judged;
+use palpate_sim::world::as_evaluated;
 use palpate_testbed::world::{Overlap, PlantParams, WorldPlant};
 use palpate_world::{Sample, WorldRenderer};
 
 /// Ripple of the force and the torque in the last of so many seconds at 1 kHz, each as the standard deviation over the mean's length
 /// in percent, and the largest penetration `[m]`. None if a sample was refused.
 pub fn pressed(scene: &WorldScene, renderer: &WorldRenderer, seconds: usize) -> Option<[f64; 3]> {
-    let judged = as_judged(scene);
-    let overlap = Overlap::new(&judged).unwrap();
-    let mut plant = WorldPlant::new(&judged, PlantParams::perfect(0.001)).unwrap();
+    let evaluated = as_evaluated(scene);
+    let overlap = Overlap::new(&evaluated).unwrap();
+    let mut plant = WorldPlant::new(&evaluated, PlantParams::perfect(0.001)).unwrap();
     let mut state = renderer.start();
     let mut last = [Vec::new(), Vec::new()];
     let mut deepest = 0.0_f64;

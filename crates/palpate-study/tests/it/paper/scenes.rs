@@ -54,7 +54,7 @@ fn who_leaves_the_box_depends_on_its_size() {
     // Coupled rendering is near its hold bound in every box: it never needs the motors outside.
     for columns in &at {
         let coupled = columns[3].own;
-        assert!(coupled.force_rendering_error < coupled.hold_floor + 0.5);
+        assert!(coupled.force_rendering_error < coupled.hold_bound + 0.5);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::parts::{OnMesh, Part};
-use super::search::{ENDS, MOST_CONTACTS, Parts, Push, among, holding, parted};
+use super::search::{ENDS, MAX_CONTACTS, Parts, Push, among, holding, parted};
 use super::triangles::TriangleMesh;
 use crate::world::vector::Vec3;
 
@@ -33,7 +33,7 @@ impl TriangleMesh {
     pub(super) fn out_of_all(
         &self,
         surface: &[Push],
-        now: &[OnMesh; MOST_CONTACTS],
+        now: &[OnMesh; MAX_CONTACTS],
         radius: f64,
         centre: Vec3,
         longest: f64,

@@ -8,5 +8,5 @@ mod search;
 mod triangles;
 
 pub(super) use parts::{OnMesh, nearest};
-pub(super) use search::{MOST_CONTACTS, wanted};
+pub(super) use search::{MAX_CONTACTS, wanted};
 pub use triangles::{InvalidMesh, TriangleMesh};

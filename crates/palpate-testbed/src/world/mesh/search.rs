@@ -7,7 +7,7 @@ use super::triangles::{SHARP, TriangleMesh};
 use crate::world::vector::Vec3;
 
 /// Contacts of a sphere with a mesh at once.
-pub(in crate::world) const MOST_CONTACTS: usize = 4;
+pub(in crate::world) const MAX_CONTACTS: usize = 4;
 /// The longest way out of a bent surface over its largest depth.
 const STEEP: f64 = 3.0;
 /// A way ends on a part, or beyond it, if it falls short by no more than this share of the largest depth.
@@ -27,10 +27,10 @@ pub(super) struct Push {
 /// mesh's axes.
 pub(in crate::world) fn wanted(
     mesh: &TriangleMesh,
-    now: &[OnMesh; MOST_CONTACTS],
+    now: &[OnMesh; MAX_CONTACTS],
     radius: f64,
     centre: Vec3,
-) -> [OnMesh; MOST_CONTACTS] {
+) -> [OnMesh; MAX_CONTACTS] {
     let found = match mesh.standing(now, radius, centre) {
         OnMesh::Inside => vec![OnMesh::Inside],
         behind @ OnMesh::Behind(_) => vec![behind],
@@ -42,10 +42,10 @@ pub(in crate::world) fn wanted(
         at => nearest(mesh, at, radius, centre, Vec3::ZERO).1,
     };
     let before = now.map(normal);
-    let mut wanted = [OnMesh::Nothing; MOST_CONTACTS];
-    for at in found.into_iter().take(MOST_CONTACTS) {
+    let mut wanted = [OnMesh::Nothing; MAX_CONTACTS];
+    for at in found.into_iter().take(MAX_CONTACTS) {
         let likeness = |place: usize| before[place].dot(normal(at));
-        let free = (0..MOST_CONTACTS).filter(|&place| wanted[place] == OnMesh::Nothing);
+        let free = (0..MAX_CONTACTS).filter(|&place| wanted[place] == OnMesh::Nothing);
         // Ties go to the first.
         let best = free.reduce(|best, place| {
             if likeness(place) > likeness(best) {
@@ -63,7 +63,7 @@ pub(in crate::world) fn wanted(
 
 impl TriangleMesh {
     /// On which side the centre is: [`OnMesh::Inside`], behind a part, or else in front.
-    fn standing(&self, now: &[OnMesh; MOST_CONTACTS], radius: f64, centre: Vec3) -> OnMesh {
+    fn standing(&self, now: &[OnMesh; MAX_CONTACTS], radius: f64, centre: Vec3) -> OnMesh {
         for &at in now {
             if let OnMesh::Behind(part) = at {
                 return match self.downhill(part, centre) {
@@ -93,7 +93,7 @@ impl TriangleMesh {
     }
 
     /// Whether the parts that were nearest until now are all on the border of an open mesh, where no surface was crossed.
-    fn is_beyond_border(&self, now: &[OnMesh; MOST_CONTACTS]) -> bool {
+    fn is_beyond_border(&self, now: &[OnMesh; MAX_CONTACTS]) -> bool {
         let mut parts = now.iter().flat_map(|at| match at {
             OnMesh::Before(parts) => parts.iter().flatten().copied().collect(),
             _ => Vec::new(),
@@ -217,7 +217,7 @@ impl TriangleMesh {
     }
 
     /// The contacts of a sphere whose centre is in front; if none touches, the nearest part.
-    fn in_front(&self, now: &[OnMesh; MOST_CONTACTS], radius: f64, centre: Vec3) -> Vec<OnMesh> {
+    fn in_front(&self, now: &[OnMesh; MAX_CONTACTS], radius: f64, centre: Vec3) -> Vec<OnMesh> {
         let mut pushes = self.minima(radius, centre);
         pushes.sort_by(|a, b| b.depth.total_cmp(&a.depth));
         if pushes.is_empty() {
@@ -383,7 +383,7 @@ pub(super) fn parted(pushes: Vec<Push>, with: &BTreeSet<usize>) -> (Vec<Push>, V
 /// is no way.
 pub(super) fn holding(
     pushes: &[Push],
-    now: &[OnMesh; MOST_CONTACTS],
+    now: &[OnMesh; MAX_CONTACTS],
     depth: impl Fn(Part) -> Option<Push>,
 ) -> Option<(Vec3, Parts)> {
     let slack = ENDS * pushes.first()?.depth;
@@ -500,7 +500,7 @@ mod tests {
             let (surface, others) = parted(pushes.clone(), &BTreeSet::new());
             assert_eq!((surface.len(), others.len()), (96, 0));
             let (way, parts) =
-                holding(&pushes, &[OnMesh::Nothing; MOST_CONTACTS], among(&pushes)).unwrap();
+                holding(&pushes, &[OnMesh::Nothing; MAX_CONTACTS], among(&pushes)).unwrap();
             assert!((way - tip).norm() < 1e-9 * tip.norm(), "{way:?}");
             // The same parts hold while the sphere is pressed in slightly deeper.
             let deeper = ring(96, from_axis, |about| {
@@ -526,7 +526,7 @@ mod tests {
     fn there_is_no_way_out_of_a_tube() {
         let pushes = ring(24, 0.0, |_| 1e-4);
         assert_eq!(
-            holding(&pushes, &[OnMesh::Nothing; MOST_CONTACTS], among(&pushes)),
+            holding(&pushes, &[OnMesh::Nothing; MAX_CONTACTS], among(&pushes)),
             None
         );
     }

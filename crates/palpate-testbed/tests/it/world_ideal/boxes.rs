@@ -50,12 +50,12 @@ fn a_large_box_pushes_as_a_half_space() {
 
 /// By how much the balance of energy drifts, of the kinetic energy at the start.
 pub fn drift(ideal: &WorldIdeal) -> f64 {
-    let start = ideal.states[0].books.balance();
+    let start = ideal.states[0].ledger.balance();
     let apart = ideal
         .states
         .iter()
-        .map(|state| (state.books.balance() - start).abs());
-    apart.fold(0.0, f64::max) / ideal.states[0].books.kinetic
+        .map(|state| (state.ledger.balance() - start).abs());
+    apart.fold(0.0, f64::max) / ideal.states[0].ledger.kinetic
 }
 
 /// Momentum and angular momentum of all bodies at a sample.

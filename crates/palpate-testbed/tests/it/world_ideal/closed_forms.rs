@@ -214,8 +214,8 @@ fn a_point_in_a_box_leaves_it_through_the_nearest_face() {
         panic!("one contact, whatever the face");
     };
     assert!((encounter.end.unwrap() - 0.03).abs() < 1e-4);
-    let start = ideal.states[0].books.balance();
-    let change = ideal.states.last().unwrap().books.balance() - start;
+    let start = ideal.states[0].ledger.balance();
+    let change = ideal.states.last().unwrap().ledger.balance() - start;
     // p is the same on both sides of the change, so no energy comes or goes.
     assert!(change.abs() < 1e-15);
 }

@@ -60,12 +60,12 @@ fn momenta(scene: &WorldScene, state: &WorldState) -> [f64; 6] {
 }
 
 fn drift(ideal: &WorldIdeal) -> f64 {
-    let start = ideal.states[0].books.balance();
+    let start = ideal.states[0].ledger.balance();
     let apart = ideal
         .states
         .iter()
-        .map(|state| (state.books.balance() - start).abs());
-    apart.fold(0.0, f64::max) / ideal.states[0].books.kinetic
+        .map(|state| (state.ledger.balance() - start).abs());
+    apart.fold(0.0, f64::max) / ideal.states[0].ledger.kinetic
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn bodies_that_collide_keep_energy_momentum_and_angular_momentum() {
                     apart[i / 3] = apart[i / 3].max((a - b).abs());
                 }
             }
-            let lost = last.books.dissipated / first.books.kinetic;
+            let lost = last.ledger.dissipated / first.ledger.kinetic;
             println!(
                 "{name}, {shape:?}: energy to {:.1e}, momentum to {:.1e} N s, angular to {:.1e}; lost {lost:.3}; \
                  {} contacts, {} events, {} steps",
@@ -112,7 +112,7 @@ fn bodies_that_collide_keep_energy_momentum_and_angular_momentum() {
                 assert!(lost > 0.001);
             }
             for pair in ideal.states.windows(2) {
-                assert!(pair[1].books.dissipated >= pair[0].books.dissipated - 1e-14);
+                assert!(pair[1].ledger.dissipated >= pair[0].ledger.dissipated - 1e-14);
             }
         }
     }
@@ -141,11 +141,11 @@ fn the_hand_pays_for_what_a_push_takes() {
         ],
     };
     let ideal = solve(&scene, 0.005, 60);
-    let start = ideal.states[0].books.balance();
+    let start = ideal.states[0].ledger.balance();
     for state in &ideal.states {
-        assert!((state.books.balance() - start).abs() < 1e-10);
+        assert!((state.ledger.balance() - start).abs() < 1e-10);
     }
-    let end = &ideal.states.last().unwrap().books;
+    let end = &ideal.states.last().unwrap().ledger;
     println!("{end:?}");
     assert!(end.hand_work > 0.005 && end.dissipated > 1e-4);
     // The profile contains the impulses of the contacts on the device.

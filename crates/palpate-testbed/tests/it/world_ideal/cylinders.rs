@@ -295,8 +295,8 @@ fn a_tool_that_is_a_cylinder_pays_for_what_it_pushes() {
         ],
     };
     let ideal = solve(&scene, 0.002, 200);
-    let start = ideal.states[0].books.balance();
-    let balances = ideal.states.iter().map(|state| state.books.balance());
+    let start = ideal.states[0].ledger.balance();
+    let balances = ideal.states.iter().map(|state| state.ledger.balance());
     let apart = balances.map(|one| (one - start).abs()).fold(0.0, f64::max);
     let of_tool = ideal.encounters.iter().filter(|one| one.is_of_device(0));
     let torque = ideal.states.iter().map(|state| state.devices[0].torque);

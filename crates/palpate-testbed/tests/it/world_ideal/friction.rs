@@ -42,7 +42,7 @@ fn a_ball_rolls_or_slides_down_a_slope() {
             let expected = 2.5 * friction * GRAVITY * alpha.cos() / expected;
             assert!((ratio - expected).abs() < 2e-3, "slides: {ratio}");
         }
-        let balance = end.books.balance() - ideal.states[0].books.balance();
+        let balance = end.ledger.balance() - ideal.states[0].ledger.balance();
         assert!(balance.abs() < 1e-10);
     }
 }
@@ -79,10 +79,10 @@ fn a_sliding_block_stops_where_friction_has_taken_its_energy() {
     assert!((travel / expected - 1.0).abs() < 5e-3);
     assert!((y / x - 0.75).abs() < 1e-2);
     let kinetic = 0.5 * mass * speed * speed;
-    assert!((end.books.dissipated / kinetic - 1.0).abs() < 1e-2);
+    assert!((end.ledger.dissipated / kinetic - 1.0).abs() < 1e-2);
     for pair in ideal.states.windows(2) {
-        assert!(pair[1].books.dissipated >= pair[0].books.dissipated - 1e-15);
-        assert!((pair[1].books.balance() - pair[0].books.balance()).abs() < 1e-11);
+        assert!(pair[1].ledger.dissipated >= pair[0].ledger.dissipated - 1e-15);
+        assert!((pair[1].ledger.balance() - pair[0].ledger.balance()).abs() < 1e-11);
     }
 }
 
@@ -118,11 +118,11 @@ fn a_block_that_friction_holds_swings_by_the_damping_of_its_bristle() {
         let way = pull / stiffness * (1.0 - swing);
         let [x, y, _] = state.bodies[0].position;
         assert!((x - 0.8 * way).abs() < 1e-10 && (y - 0.6 * way).abs() < 1e-10);
-        let balance = state.books.balance() - ideal.states[0].books.balance();
+        let balance = state.ledger.balance() - ideal.states[0].ledger.balance();
         assert!(balance.abs() < 1e-13, "{balance}");
     }
     let expected = 0.5 * pull * pull / stiffness;
-    let dissipated = ideal.states.last().unwrap().books.dissipated;
+    let dissipated = ideal.states.last().unwrap().ledger.dissipated;
     assert!((dissipated / expected - 1.0).abs() < 1e-3, "{dissipated}");
 }
 
@@ -156,7 +156,7 @@ fn a_point_sticks_up_to_the_limit_and_slides_beyond_it() {
             let speed = device.velocity[0].hypot(device.velocity[1]);
             assert!((speed - 0.2 / 15.0).abs() < 1e-6, "{speed}");
         }
-        let balance = end.books.balance() - ideal.states[0].books.balance();
+        let balance = end.ledger.balance() - ideal.states[0].ledger.balance();
         assert!(balance.abs() < 1e-11, "{balance}");
     }
 }

@@ -111,15 +111,15 @@ fn two_bodies_on_a_joint_keep_momentum_angular_momentum_and_energy() {
                 }
                 sums
             };
-            let (before, start) = (sums(0), ideal.states[0].books);
+            let (before, start) = (sums(0), ideal.states[0].ledger);
             let (mut worst, mut drift) = (0.0_f64, 0.0_f64);
             for (number, state) in ideal.states.iter().enumerate() {
                 for (a, b) in sums(number).iter().zip(before) {
                     worst = worst.max((a - b).abs());
                 }
-                drift = drift.max((state.books.balance() - start.balance()).abs() / start.kinetic);
+                drift = drift.max((state.ledger.balance() - start.balance()).abs() / start.kinetic);
             }
-            let dissipated = ideal.states.last().unwrap().books.dissipated;
+            let dissipated = ideal.states.last().unwrap().ledger.dissipated;
             println!(
                 "{freedom:?}, damping {damped}: momenta to {worst:.1e}, energy to {drift:.1e}, {dissipated:.1e} J dissipated"
             );

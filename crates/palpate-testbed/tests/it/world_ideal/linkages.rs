@@ -105,8 +105,8 @@ fn a_free_linkage_keeps_its_energy_where_its_table_has_no_formula() {
     };
     scene.devices[0].mass_table = Some(Arc::new(table(places(), uneven)));
     let ideal = WorldIdeal::new(&scene, Grid::even(0.0, 0.01, 20)).unwrap();
-    let kinetic = ideal.states.iter().map(|state| state.books.kinetic);
-    let start = ideal.states[0].books.kinetic;
+    let kinetic = ideal.states.iter().map(|state| state.ledger.kinetic);
+    let start = ideal.states[0].ledger.kinetic;
     let most = kinetic.fold(0.0_f64, |most, now| most.max((now / start - 1.0).abs()));
     let speed = |state: usize| {
         let parts = ideal.states[state].devices[0].velocity;

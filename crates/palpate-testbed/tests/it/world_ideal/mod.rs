@@ -22,7 +22,7 @@ use palpate_testbed::world::{
     WorldIdeal, WorldScene,
 };
 
-const NOT_TURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
+const IDENTITY: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
 /// A device with a point as its tool, without a hand, at rest.
 fn device(mass: f64, position: Vector) -> WorldDevice {
@@ -45,7 +45,7 @@ fn half_space(normal: Vector, offset: f64) -> WorldBody {
         name: "plane".into(),
         shape: Shape::HalfSpace { normal, offset },
         position: [0.0; 3],
-        orientation: NOT_TURNED,
+        orientation: IDENTITY,
         motion: None,
     }
 }
@@ -56,7 +56,7 @@ fn body(shape: Shape, mass: f64, position: Vector) -> WorldBody {
         name: "body".into(),
         shape: shape.clone(),
         position,
-        orientation: NOT_TURNED,
+        orientation: IDENTITY,
         motion: Some(FreeMotion::of(&shape, mass)),
     }
 }

@@ -3,8 +3,8 @@
 use palpate_testbed::grid::Grid;
 use palpate_testbed::hand::Sinusoid;
 use palpate_testbed::world::{
-    ContactLaw, Member, Pair, PlantParams, Shape, Tool, Vector, WorldHand, WorldIdeal,
-    WorldJudgement, WorldPlant, WorldScene,
+    ContactLaw, Member, Pair, PlantParams, Shape, Tool, Vector, WorldEvaluation, WorldHand,
+    WorldIdeal, WorldPlant, WorldScene,
 };
 
 use super::{body, device, half_space};
@@ -158,21 +158,21 @@ fn what_is_held_moves_its_plant_and_is_judged_along_its_axes() {
         }
         let turned_held: Vec<Vector> = held.iter().map(|force| turned(*force)).collect();
         let of = |number: usize, held: Vec<Vector>| {
-            WorldJudgement::of(&scenes[number], &ideals[number], &[held]).unwrap()
+            WorldEvaluation::of(&scenes[number], &ideals[number], &[held]).unwrap()
         };
         let [one, two] = [of(0, held.clone()), of(1, turned_held)];
-        let error = |judged: &WorldJudgement| judged.sum.unwrap().mean_force_error;
+        let error = |evaluated: &WorldEvaluation| evaluated.sum.unwrap().mean_force_error;
         assert!(error(&one) > 10.0);
         assert!((error(&one) - error(&two)).abs() < 1e-4 * error(&one));
         for axis in 0..3 {
-            let [one, two] = [&one, &two].map(|judged| judged.devices[0].axes[axis]);
+            let [one, two] = [&one, &two].map(|evaluated| evaluated.devices[0].axes[axis]);
             assert_eq!(one.is_some(), two.is_some());
             let Some((one, two)) = one.zip(two) else {
                 continue;
             };
             assert!((one.mean_force_error / two.mean_force_error - 1.0).abs() < 1e-4);
         }
-        let [one, two] = [one, two].map(|judged| judged.devices[0].touches[0].ideal_impulse);
+        let [one, two] = [one, two].map(|evaluated| evaluated.devices[0].touches[0].ideal_impulse);
         assert!(apart(turned(one), two) < 1e-8);
     }
 }

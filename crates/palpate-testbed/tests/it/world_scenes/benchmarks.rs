@@ -10,7 +10,7 @@ use palpate_testbed::world::benchmarks::{
 use palpate_testbed::world::mesh::{TriangleMesh, gallery};
 use palpate_testbed::world::{
     CheckedIdeal, ContactLaw, Encounter, FreeMotion, Freedom, LARGEST_ERROR, Member, Pair, Shape,
-    Tool, Vector, WorldBody, WorldDevice, WorldHand, WorldIdeal, WorldJoint, WorldJudgement,
+    Tool, Vector, WorldBody, WorldDevice, WorldEvaluation, WorldHand, WorldIdeal, WorldJoint,
     WorldScene,
 };
 
@@ -41,22 +41,22 @@ fn every_benchmark_can_be_predicted_from_its_starts() {
             .iter()
             .map(|device| device.mean_forces(&ideal.grid))
             .collect();
-        let judgement = WorldJudgement::of(&benchmark.scene, &ideal, &means).unwrap();
-        let sum = judgement.sum.unwrap();
+        let evaluation = WorldEvaluation::of(&benchmark.scene, &ideal, &means).unwrap();
+        let sum = evaluation.sum.unwrap();
         let peak = ideal.devices[0].peaks.iter().copied().fold(0.0, f64::max);
         println!(
             "{:18} floor {:5.2} %, itself {worst:.0e} %, {:2} touches, {:3} contacts, {:4} events, {:5} steps, \
              peak {peak:.2} N, deepest {:.2} mm",
             benchmark.name,
-            sum.hold_floor,
-            judgement.devices[0].touches.len(),
+            sum.hold_bound,
+            evaluation.devices[0].touches.len(),
             ideal.encounters.len(),
             ideal.events,
             ideal.steps,
             1e3 * ideal.deepest(),
         );
         assert!(worst < LARGEST_ERROR);
-        assert!(!judgement.devices[0].touches.is_empty());
+        assert!(!evaluation.devices[0].touches.is_empty());
     }
 }
 
@@ -103,7 +103,7 @@ fn a_pushed_block_slides_turns_and_stops() {
     assert!(block.orientation[3].abs() > 0.02);
     assert!(block.velocity.iter().all(|v| v.abs() < 0.02));
     // The table has taken what the tool has given.
-    assert!(end.books.dissipated > 5.0 * end.books.kinetic);
+    assert!(end.ledger.dissipated > 5.0 * end.ledger.kinetic);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 use palpate_testbed::world::random_worlds::{RandomHands, RandomWorld, WorldKind, random_worlds};
 use palpate_testbed::world::{
-    Member, PlantParams, Shape, Tool, Vector, WorldJudgement, WorldPlant, WorldScene,
+    Member, PlantParams, Shape, Tool, Vector, WorldEvaluation, WorldPlant, WorldScene,
 };
 
 const PERIOD: f64 = 0.001;
@@ -147,8 +147,8 @@ fn error(world: &RandomWorld, damping: f64) -> f64 {
         plant.hold(&[force]);
     }
     let held = [plant.delivered(0)];
-    let judgement = WorldJudgement::of(&scene, &world.ideal, &held).unwrap();
-    judgement.sum.unwrap().mean_force_error.min(999.0)
+    let evaluation = WorldEvaluation::of(&scene, &world.ideal, &held).unwrap();
+    evaluation.sum.unwrap().mean_force_error.min(999.0)
 }
 
 fn spread(mut errors: Vec<f64>) -> [f64; 3] {
@@ -200,8 +200,8 @@ fn random_worlds_follow_from_their_seed_and_have_ideals() {
     for (number, world) in worlds.iter().enumerate() {
         let device = &world.scene.devices[0];
         assert_eq!(device.hand.stiffness, [60.0, 300.0][number % 2]);
-        let told = world.told_mass[1] / device.mass[1];
-        assert!((told - [1.5, 0.67][number / 2 % 2]).abs() < 1e-12);
+        let model = world.model_mass[1] / device.mass[1];
+        assert!((model - [1.5, 0.67][number / 2 % 2]).abs() < 1e-12);
         assert!(world.ideal.grid.end() <= 0.3 + 1e-9);
         assert!(!world.ideal.touches_of(0).is_empty());
         assert!(world.scene.pairs.iter().all(|pair| pair.law.damping > 0.0));

@@ -4,9 +4,9 @@ use super::model::LocalModel;
 use super::past::Then;
 use super::state::LocalState;
 use crate::engine::body::BodyNow;
+use crate::engine::contact_point::Touch;
 use crate::engine::image::{Image, ImageOffset};
-use crate::engine::meeting::Meeting;
-use crate::engine::touch::Touch;
+use crate::engine::integration::Meeting;
 use crate::{Effort, SubSteps};
 
 /// Sub-step limits for recomputing a host step, by the phase of its fastest contact: at most 640 sub-steps. Ticks
@@ -32,7 +32,7 @@ impl LocalState {
         let now = self.progress.tick;
         let before = self.model_tick.unwrap_or(model.tick);
         let step = duration(model.tick.saturating_sub(before), period);
-        self.book_slow_ports(model, step);
+        self.record_slow_ports(model, step);
         let is_expected = self.is_known && self.foresee(model.tick, step, period);
         let share = (step / return_time).min(1.0);
         for (body, described) in model.bodies.iter().enumerate() {
@@ -67,18 +67,18 @@ impl LocalState {
     }
 
     /// Records the work of the tools on the copies and on the host's bodies up to the model's tick.
-    fn book_slow_ports(&mut self, model: &LocalModel, step: f64) {
+    fn record_slow_ports(&mut self, model: &LocalModel, step: f64) {
         for (body, described) in model.bodies.iter().enumerate() {
             let host = Image::of(described, &ImageOffset::none());
             let Some(then) = self.past.at(model.tick, body) else {
                 continue;
             };
-            let (book, before) = (&mut self.slow_ports[body], &self.at_model[body]);
-            book.work += then.work - before.work;
+            let (entry, before) = (&mut self.slow_ports[body], &self.at_model[body]);
+            entry.work += then.work - before.work;
             if step > 0.0 {
                 let mean = (then.impulse - before.impulse) / step;
                 let work = mean.dot(&host.apart_from(&self.host.images[body]));
-                book.host_work += if work.is_finite() { work } else { 0.0 };
+                entry.host_work += if work.is_finite() { work } else { 0.0 };
             }
         }
     }

@@ -3,8 +3,8 @@
 use super::copies::{HOST_STEPS, duration};
 use super::state::LocalState;
 use crate::Effort;
+use crate::engine::contact_point::Touch;
 use crate::engine::image::Image;
-use crate::engine::touch::Touch;
 use crate::interval::whole;
 
 /// Tolerance for rounding, as a fraction of a period.
@@ -22,7 +22,7 @@ impl LocalState {
         }
         self.behind -= f64::from(missed);
         if self.is_known {
-            self.go_on(f64::from(missed) * period, period);
+            self.resume(f64::from(missed) * period, period);
         }
         let (before, missed) = (self.progress.tick, u64::from(missed));
         let room = u64::try_from(self.past.ticks()).unwrap_or(u64::MAX);
@@ -42,7 +42,7 @@ impl LocalState {
     }
 
     /// Advances the copies by `h` `[s]`. The copies keep their state if the result is not finite.
-    fn go_on(&mut self, h: f64, period: f64) {
+    fn resume(&mut self, h: f64, period: f64) {
         let bodies = self.at_model.len();
         let (meeting, late) = (&mut self.engine.meeting, &mut self.late);
         late.images.copy_from_slice(&meeting.images);

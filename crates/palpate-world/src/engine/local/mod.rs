@@ -41,4 +41,4 @@ pub use model::{LocalContact, LocalModel, Touching};
 pub use params::LocalParams;
 pub use progress::{BodyImpulse, LocalProgress};
 pub use renderer::LocalRenderer;
-pub use state::{LocalBooks, LocalOutput, LocalState, ModelRefusal};
+pub use state::{LocalLedger, LocalOutput, LocalState, ModelRefusal};

@@ -1,6 +1,6 @@
 //! Parameters of a local model, and their checks.
 
-use crate::{MOST_POINTS, WorldError, WorldField, WorldPart};
+use crate::{MAX_POINTS, WorldError, WorldField, WorldPart};
 
 /// Capacity of a local model, and transitions between models.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,18 +47,18 @@ impl LocalParams {
                 message,
             ));
         };
-        if self.bodies > MOST_BODIES {
+        if self.bodies > MAX_BODIES {
             let given = self.bodies;
             fault(
                 WorldField::Bodies,
-                format!("bodies is {given}, and at most {MOST_BODIES} are allowed"),
+                format!("bodies is {given}, and at most {MAX_BODIES} are allowed"),
             );
         }
-        if !(1..=MOST_POINTS).contains(&self.contacts) {
+        if !(1..=MAX_POINTS).contains(&self.contacts) {
             let given = self.contacts;
             fault(
                 WorldField::Contacts,
-                format!("contacts is {given}, and has to be 1 to {MOST_POINTS}"),
+                format!("contacts is {given}, and has to be 1 to {MAX_POINTS}"),
             );
         }
         for (field, value) in [
@@ -74,12 +74,12 @@ impl LocalParams {
             }
         }
         let periods = self.stale_after / period;
-        if period > 0.0 && !(1.0..=MOST_PERIODS).contains(&periods) {
-            let (value, most) = (self.stale_after, MOST_PERIODS * period);
+        if period > 0.0 && !(1.0..=MAX_PERIODS).contains(&periods) {
+            let (value, most) = (self.stale_after, MAX_PERIODS * period);
             fault(
                 WorldField::StaleAfter,
                 format!(
-                    "stale_after is {value} s, and has to be {period} to {most} s: 1 to {MOST_PERIODS} periods"
+                    "stale_after is {value} s, and has to be {period} to {most} s: 1 to {MAX_PERIODS} periods"
                 ),
             );
         }
@@ -88,7 +88,7 @@ impl LocalParams {
 }
 
 /// Maximum number of bodies of a model.
-const MOST_BODIES: usize = 16;
+const MAX_BODIES: usize = 16;
 
 /// Maximum number of stored periods.
-const MOST_PERIODS: f64 = 1000.0;
+const MAX_PERIODS: f64 = 1000.0;

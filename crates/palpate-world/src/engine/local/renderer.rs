@@ -10,12 +10,12 @@ use super::progress::{BodyImpulse, LocalProgress};
 use super::slot::{Slot, closed};
 use super::state::{LocalOutput, LocalState, ModelRefusal};
 use crate::engine::body::BodyNow;
+use crate::engine::contact_point::Touch;
 use crate::engine::coupling::Coupling;
 use crate::engine::image::{angular, linear};
-use crate::engine::meeting::Meeting;
+use crate::engine::integration::Meeting;
 use crate::engine::pairs::of_spheres;
-use crate::engine::state::BodyPortBook;
-use crate::engine::touch::Touch;
+use crate::engine::state::BodyPortLedger;
 use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
 
 /// Renderer for contacts of tools by the local models of a low-rate simulator, in one fast loop. It is immutable: one
@@ -64,13 +64,13 @@ impl LocalRenderer {
     pub fn new(
         tools: &[Tool],
         params: LocalParams,
-        in_loop: WorldLoop,
+        loop_params: WorldLoop,
         coupled: CoupledParams,
     ) -> Result<Self, Vec<WorldError>> {
         let (radii, mut faults) = of_spheres(tools);
-        faults.extend(params.faults(in_loop.period));
+        faults.extend(params.faults(loop_params.period));
         Ok(Self {
-            coupling: Coupling::checked(tools, in_loop, coupled, "a host's", faults)?,
+            coupling: Coupling::checked(tools, loop_params, coupled, "a host's", faults)?,
             tools: tools.to_vec(),
             radii,
             params,
@@ -79,8 +79,8 @@ impl LocalRenderer {
 
     /// Returns the loop parameters.
     #[must_use]
-    pub fn in_loop(&self) -> &WorldLoop {
-        &self.coupling.in_loop
+    pub fn loop_params(&self) -> &WorldLoop {
+        &self.coupling.loop_params
     }
 
     /// Returns the capacity of models and the transition times.
@@ -110,7 +110,7 @@ impl LocalRenderer {
     /// Creates a state before the first sample: no model, no contact, empty energy ledger.
     #[must_use]
     pub fn start(&self) -> LocalState {
-        let (bodies, period) = (self.params.bodies, self.coupling.in_loop.period);
+        let (bodies, period) = (self.params.bodies, self.coupling.loop_params.period);
         let pairs = vec![closed(bodies); self.params.contacts];
         let mut engine = self.coupling.start(&pairs, bodies + 1);
         put_fixed_world(&mut engine.meeting);
@@ -154,7 +154,7 @@ impl LocalRenderer {
             },
             refusal: None,
             came: false,
-            slow_ports: vec![BodyPortBook::default(); bodies],
+            slow_ports: vec![BodyPortLedger::default(); bodies],
             works: vec![0.0; bodies],
             pairs,
             engine,
@@ -171,11 +171,11 @@ impl LocalRenderer {
     ) -> LocalOutput<'s> {
         let LocalState { engine, pairs, .. } = state;
         if let Some(elapsed) = self.coupling.sample(pairs, engine, sample) {
-            state.catch_up(elapsed, self.coupling.in_loop.period);
+            state.catch_up(elapsed, self.coupling.loop_params.period);
         }
         let LocalState { engine, pairs, .. } = state;
         if engine.fault.is_none() {
-            engine.look(pairs, |book| &mut book.observed);
+            engine.look(pairs, |entry| &mut entry.observed);
         }
         state.came = model.is_some();
         state.refusal = model.and_then(|model| self.take(state, model).err());
@@ -185,15 +185,15 @@ impl LocalRenderer {
         }
         let LocalState { engine, pairs, .. } = state;
         if engine.fault.is_none() {
-            engine.look(pairs, |book| &mut book.outside);
+            engine.look(pairs, |entry| &mut entry.outside);
             if !self
                 .coupling
-                .meet(pairs, engine, self.coupling.in_loop.period)
+                .meet(pairs, engine, self.coupling.loop_params.period)
             {
                 self.forget(state);
             }
         }
-        let with_bodies = BodyPortBook::created(&state.slow_ports);
+        let with_bodies = BodyPortLedger::created(&state.slow_ports);
         self.coupling
             .hold(&state.pairs, &mut state.engine, with_bodies);
         self.remember(state);
@@ -217,13 +217,13 @@ impl LocalRenderer {
 
     /// Returns the age of the newest model at the beginning of the next period `[s]`.
     fn age(&self, state: &LocalState) -> Option<f64> {
-        let period = self.coupling.in_loop.period;
+        let period = self.coupling.loop_params.period;
         let tick = state.model_tick?;
         Some(duration(state.progress.tick.saturating_sub(tick), period))
     }
 
     fn take(&self, state: &mut LocalState, model: &LocalModel) -> Result<(), ModelRefusal> {
-        let period = self.coupling.in_loop.period;
+        let period = self.coupling.loop_params.period;
         let is_room = model.tools == self.tools.len()
             && model.bodies.len() == self.params.bodies
             && model.contacts.len() == self.params.contacts;
@@ -266,7 +266,7 @@ impl LocalRenderer {
 
     /// Advances the blending of changes by one period, and fades a stale model.
     fn go_over(&self, state: &mut LocalState) {
-        let period = self.coupling.in_loop.period;
+        let period = self.coupling.loop_params.period;
         let is_fresh = self
             .age(state)
             .is_some_and(|age| age <= self.params.stale_after);
@@ -307,7 +307,7 @@ impl LocalRenderer {
                 if pair.toucher.tool().is_some()
                     && let Some(work) = state.works.get_mut(pair.body)
                 {
-                    *work += touch.work - touch.work_on_avatar;
+                    *work += touch.work - touch.work_on_proxy;
                 }
             }
         }

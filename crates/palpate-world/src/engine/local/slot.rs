@@ -4,10 +4,10 @@ use nalgebra::UnitQuaternion;
 
 use super::model::{LocalContact, Touching};
 use crate::engine::image::Image;
-use crate::engine::meeting::{Found, found, rate};
+use crate::engine::integration::{Found, found, rate};
 use crate::engine::pairs::{Outline, Pair, Shift, Toucher};
 use crate::law::PointLaw;
-use crate::part::Part;
+use crate::moving_body::Part;
 use crate::rigid::{Rotation, Vector3};
 
 /// Slot for a contact of the model.

@@ -3,10 +3,10 @@
 use super::past::{Past, Then};
 use super::progress::LocalProgress;
 use super::slot::Slot;
-use crate::engine::meeting::Meeting;
+use crate::engine::integration::Meeting;
 use crate::engine::pairs::Pair;
-use crate::engine::state::{BodyPortBook, EngineContact, EngineState, PortBook};
-use crate::{ContactBook, Effort, Limited, ToolState, Vector, WorldFault};
+use crate::engine::state::{BodyPortLedger, EngineContact, EngineState, PortLedger};
+use crate::{ContactLedger, Effort, Limited, ToolState, Vector, WorldFault};
 
 /// State of a local model in the loop, created by [`LocalRenderer::start`](super::LocalRenderer::start).
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ pub struct LocalState {
     pub(super) refusal: Option<ModelRefusal>,
     /// Whether a model arrived with the last sample.
     pub(super) came: bool,
-    pub(super) slow_ports: Vec<BodyPortBook>,
+    pub(super) slow_ports: Vec<BodyPortLedger>,
     /// Work of the tools on each copy since the start `[J]`.
     pub(super) works: Vec<f64>,
 }
@@ -76,17 +76,17 @@ pub enum ModelRefusal {
 /// Energy ledger of a local model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct LocalBooks<'a> {
+pub struct LocalLedger<'a> {
     /// Ledger of each contact slot; zero for contacts between the host's own bodies. `outside` is the energy added by
     /// new models and by contacts that fade out or in.
-    pub contacts: &'a [ContactBook],
+    pub contacts: &'a [ContactLedger],
     /// Ledger of each device.
-    pub devices: &'a [PortBook],
+    pub devices: &'a [PortLedger],
     /// Ledger of each body.
-    pub slow_ports: &'a [BodyPortBook],
+    pub slow_ports: &'a [BodyPortLedger],
 }
 
-impl LocalBooks<'_> {
+impl LocalLedger<'_> {
     /// Returns the energy generated between hand, contacts and the host's bodies since the start `[J]`. It is the sum
     /// of three parts: work at the devices, plus the part carried by mechanisms that lack an axis, minus the work on
     /// their proxies; work on the host's bodies minus the work on their copies; energy added to the tools' contacts
@@ -95,11 +95,11 @@ impl LocalBooks<'_> {
     pub fn created(&self) -> f64 {
         let contacts = self.contacts.iter();
         let of_contacts: f64 = contacts
-            .map(|book| book.observed + book.outside + book.step_error - book.work_on_avatar)
+            .map(|entry| entry.observed + entry.outside + entry.step_error - entry.work_on_proxy)
             .sum();
         let devices = self.devices.iter();
-        let devices: f64 = devices.map(|book| book.port_work + book.carried).sum();
-        of_contacts + devices + BodyPortBook::created(self.slow_ports)
+        let devices: f64 = devices.map(|entry| entry.port_work + entry.carried).sum();
+        of_contacts + devices + BodyPortLedger::created(self.slow_ports)
     }
 }
 
@@ -124,7 +124,7 @@ impl LocalState {
         of_tools.map(|(slot, (contact, _))| (slot, contact))
     }
 
-    /// Returns the energy generated at the ports of the devices `[J]`: [`LocalBooks::created`], weighted for each
+    /// Returns the energy generated at the ports of the devices `[J]`: [`LocalLedger::created`], weighted for each
     /// contact by the fraction of its force that reached the device after limiting.
     #[must_use]
     pub fn created_at_ports(&self) -> f64 {
@@ -133,11 +133,11 @@ impl LocalState {
 
     /// Returns the energy ledger.
     #[must_use]
-    pub fn books(&self) -> LocalBooks<'_> {
-        let books = self.engine.books();
-        LocalBooks {
-            contacts: &books.contacts,
-            devices: &books.devices,
+    pub fn ledger(&self) -> LocalLedger<'_> {
+        let ledger = self.engine.ledger();
+        LocalLedger {
+            contacts: &ledger.contacts,
+            devices: &ledger.devices,
             slow_ports: &self.slow_ports,
         }
     }

@@ -1,18 +1,18 @@
 //! Energy of a world from its ledger, and the residuals of the ledger.
 
-use palpate_world::{ContactBook, WorldState};
+use palpate_world::{ContactLedger, WorldState};
 
 /// Returns the kinetic and potential energy of all bodies `[J]`.
 pub fn of_bodies(state: &WorldState) -> f64 {
-    let books = state.books().bodies.iter();
-    books.map(|book| book.kinetic + book.potential).sum()
+    let ledger = state.ledger().bodies.iter();
+    ledger.map(|entry| entry.kinetic + entry.potential).sum()
 }
 
 /// Returns the energy of all bodies and the energy stored in all contacts and joints, without the devices `[J]`.
 pub fn energy(state: &WorldState) -> f64 {
-    let books = state.books();
-    let in_contacts: f64 = books.contacts.iter().map(|book| book.stored).sum();
-    let in_joints: f64 = books.joints.iter().map(|book| book.stored).sum();
+    let ledger = state.ledger();
+    let in_contacts: f64 = ledger.contacts.iter().map(|entry| entry.stored).sum();
+    let in_joints: f64 = ledger.joints.iter().map(|entry| entry.stored).sum();
     of_bodies(state) + in_contacts + in_joints
 }
 
@@ -35,26 +35,27 @@ pub struct Balance {
 impl Balance {
     /// Evaluates a world whose bodies had the energy `start` at the beginning `[J]`.
     pub fn since(start: f64, state: &WorldState) -> Self {
-        let books = state.books();
-        let sum = |of: fn(&ContactBook) -> f64| -> f64 { books.contacts.iter().map(of).sum() };
+        let ledger = state.ledger();
+        let sum = |of: fn(&ContactLedger) -> f64| -> f64 { ledger.contacts.iter().map(of).sum() };
         let mut contact = 0.0_f64;
-        for book in &books.contacts {
-            let given = book.observed + book.handed + book.step_error;
-            let off = book.stored - given + book.work + book.dissipated;
+        for entry in &ledger.contacts {
+            let given = entry.observed + entry.handed + entry.step_error;
+            let off = entry.stored - given + entry.work + entry.dissipated;
             contact = contact.max(off.abs());
-            assert!(book.dissipated >= 0.0, "{} J", book.dissipated);
+            assert!(entry.dissipated >= 0.0, "{} J", entry.dissipated);
         }
-        let of_steps: f64 = books.bodies.iter().map(|book| book.step_error).sum();
-        let steps = of_steps + sum(|book| book.step_error);
-        let has = of_bodies(state) - start + sum(|book| book.stored) + sum(|book| book.dissipated);
-        let given = sum(|book| book.observed) - sum(|book| book.work_on_avatar) + steps;
+        let of_steps: f64 = ledger.bodies.iter().map(|entry| entry.step_error).sum();
+        let steps = of_steps + sum(|entry| entry.step_error);
+        let has =
+            of_bodies(state) - start + sum(|entry| entry.stored) + sum(|entry| entry.dissipated);
+        let given = sum(|entry| entry.observed) - sum(|entry| entry.work_on_proxy) + steps;
         Self {
             contact,
             world: has - given,
             steps,
-            turned_over: sum(|book| book.work.abs()),
-            handed_on: sum(|book| book.handed.abs()),
-            handed: sum(|book| book.handed),
+            turned_over: sum(|entry| entry.work.abs()),
+            handed_on: sum(|entry| entry.handed.abs()),
+            handed: sum(|entry| entry.handed),
         }
     }
 

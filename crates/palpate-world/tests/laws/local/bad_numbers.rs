@@ -65,12 +65,12 @@ fn nothing_that_comes_makes_a_force_that_is_no_number() {
         refusals += u32::from(output.refusal.is_some());
         felt += u32::from(force != [0.0; 3]);
         let progress = state.progress();
-        let told = progress
+        let model = progress
             .impulses
             .iter()
             .flat_map(|it| it.linear.into_iter().chain(it.angular));
         assert!(
-            told.chain(progress.positions[0]).all(f64::is_finite),
+            model.chain(progress.positions[0]).all(f64::is_finite),
             "{tick}: {progress:?}"
         );
     }

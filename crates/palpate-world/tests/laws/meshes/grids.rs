@@ -143,8 +143,14 @@ fn what_tumbles_in_a_slot_keeps_its_energy() {
             let output = renderer.step(&mut state, &Sample::at(&[[0.0, 0.0, 0.5]]));
             assert_eq!((output.fault, output.effort.left_out), (None, 0));
             worst = worst.max((energy(&state) - start).abs());
-            kinetic = kinetic.max(state.books().bodies[1].kinetic);
-            touched += u32::from(state.books().contacts.iter().any(|book| book.stored > 0.0));
+            kinetic = kinetic.max(state.ledger().bodies[1].kinetic);
+            touched += u32::from(
+                state
+                    .ledger()
+                    .contacts
+                    .iter()
+                    .any(|entry| entry.stored > 0.0),
+            );
         }
         println!(
             "an angle of {points} points in a slot by its grid: {touched} of 400 samples touch, energy is off by {worst:.1e} \
@@ -222,7 +228,13 @@ fn an_angle_and_a_hull_that_collide_keep_momentum_and_energy() {
         assert_eq!((output.fault, output.effort.left_out), (None, 0));
         worst = worst.max((energy(&state) - start).abs());
         off = off.max(apart(&[momentum(&state)], &[before]));
-        touched += u32::from(state.books().contacts.iter().any(|book| book.stored > 0.0));
+        touched += u32::from(
+            state
+                .ledger()
+                .contacts
+                .iter()
+                .any(|entry| entry.stored > 0.0),
+        );
     }
     println!(
         "an angle and a wedge: {touched} samples touch, energy is off by {worst:.1e} of {start:.4} J, momentum by {off:.1e}"

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use palpate_world::{
-    Body, ContactLaw, CoupledParams, Free, Hull, MassProperties, Mesh, Motion, NOT_TURNED, Sample,
+    Body, ContactLaw, CoupledParams, Free, Hull, IDENTITY, MassProperties, Mesh, Motion, Sample,
     Shape, Vector, WorldLoop, WorldRenderer,
 };
 
@@ -162,7 +162,7 @@ fn a_closed_mesh_has_the_centre_and_the_moments_of_its_solid() {
     }
     // Axes that are already principal are kept.
     let plain = block(HALF, 2).mass_properties(0.3).unwrap();
-    assert_eq!((plain.centre, plain.orientation), ([0.0; 3], NOT_TURNED));
+    assert_eq!((plain.centre, plain.orientation), ([0.0; 3], IDENTITY));
     for (one, other) in plain.moments.into_iter().zip(expected) {
         assert!((one / other - 1.0).abs() < 1e-12);
     }

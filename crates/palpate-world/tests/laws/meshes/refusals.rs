@@ -47,7 +47,7 @@ fn what_is_wrong_with_a_mesh_is_named() {
         message.contains("triangles 0, 1 and 2 share an edge"),
         "{message}"
     );
-    let many = vec![[0, 1, 2]; Mesh::MOST_TRIANGLES + 1];
+    let many = vec![[0, 1, 2]; Mesh::MAX_TRIANGLES + 1];
     assert_eq!(
         Mesh::new(&SQUARE, &many),
         Err(MeshError::TooMany(1_000_001))

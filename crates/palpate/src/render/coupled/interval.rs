@@ -16,7 +16,7 @@ use crate::response::Response;
 /// not that of the device. The relative motion is that of the proxy. At the end of the window that a command governs,
 /// proxy and device have the same velocity. If a window ends between two samples, the velocities differ at each sample.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Avatar<S> {
+pub(super) struct ProxyState<S> {
     /// Offset of a wall from its true position, which gives the device the proxy's penetration `[m]`: the proxy is
     /// behind the device by the same distance. An object has no separate offset; it moves from its shifted position.
     pub wall_offset: S,
@@ -156,7 +156,7 @@ impl<S: Scalar> Coupled<S> {
         object_velocity: S,
         virtual_force: S,
         held: &Held<S>,
-        avatar: &Avatar<S>,
+        proxy: &ProxyState<S>,
     ) -> Moved<S> {
         let Interval {
             start,
@@ -191,31 +191,31 @@ impl<S: Scalar> Coupled<S> {
         if self.object_mobility == S::ZERO {
             let gives_way = self.placement && device.mobility > S::ZERO;
             let back = (h / S::from_f64(WALL_RETURN)).min(S::from_f64(WALL_RETURN_MOST));
-            let was_limited = interval.is_saturated || avatar.was_limited;
+            let was_limited = interval.is_saturated || proxy.was_limited;
             let wall_offset = if course.impulse > S::ZERO && gives_way {
                 let most = S::from_f64(WALL_OFFSET_MOST) * device.mobility * course.impulse * h;
-                let most = most.max(avatar.wall_offset.abs());
-                (S::ONE - back) * (avatar.wall_offset + placed).within(most)
-            } else if was_limited && avatar.wall_offset < S::ZERO {
+                let most = most.max(proxy.wall_offset.abs());
+                (S::ONE - back) * (proxy.wall_offset + placed).within(most)
+            } else if was_limited && proxy.wall_offset < S::ZERO {
                 // A wall that goes back at once is farther away from the device: the hand's work over this distance is
                 // generated energy. Without a limit it averages out over the collisions; with one, a device in a hand
                 // that presses can keep bouncing at one phase of the samples.
-                (S::ONE - back) * avatar.wall_offset
+                (S::ONE - back) * proxy.wall_offset
             } else {
                 // The offset is kept while the wall stays free.
                 let apart = self.flexure.map_or(S::ZERO, |it| it.behind(sway));
-                (avatar.wall_offset + course.end.penetration - apart)
+                (proxy.wall_offset + course.end.penetration - apart)
                     .max(S::ZERO)
-                    .min(avatar.wall_offset.max(S::ZERO))
+                    .min(proxy.wall_offset.max(S::ZERO))
             };
-            let by = wall_offset - avatar.wall_offset;
+            let by = wall_offset - proxy.wall_offset;
             return Moved {
                 object: Displacement {
                     by,
                     velocity: S::ZERO,
                 },
                 shift: by,
-                avatar: Avatar {
+                proxy: ProxyState {
                     wall_offset,
                     speed,
                     sway: *sway,
@@ -229,10 +229,10 @@ impl<S: Scalar> Coupled<S> {
         Moved {
             object: Displacement { by, velocity },
             shift: by - own,
-            avatar: Avatar {
+            proxy: ProxyState {
                 speed,
                 sway: *sway,
-                ..Avatar::default()
+                ..ProxyState::default()
             },
         }
     }
@@ -243,7 +243,7 @@ pub(super) struct Moved<S> {
     pub object: Displacement<S>,
     /// Shift of the object by placement `[m]`.
     pub shift: S,
-    pub avatar: Avatar<S>,
+    pub proxy: ProxyState<S>,
 }
 
 /// Effect of damping on an interval of relative motion.

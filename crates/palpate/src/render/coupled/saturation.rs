@@ -22,7 +22,7 @@ pub(super) struct Saturation<S> {
 
 /// Maximum number of changes between spring and largest force in an interval. Afterwards the motion continues with the
 /// spring.
-const MOST_CHANGES: usize = 4;
+const MAX_CHANGES: usize = 4;
 
 /// Continuation of the motion.
 enum Next<S> {
@@ -85,7 +85,7 @@ impl<S: Scalar> Saturation<S> {
         let mut left = duration;
         let mut is_saturated = start.penetration > self.penetration;
         let mut was_saturated = is_saturated;
-        for _ in 0..MOST_CHANGES {
+        for _ in 0..MAX_CHANGES {
             let (h, course) = match self.next(drive, sum.end, left, is_saturated) {
                 Next::Spring => break,
                 Next::Saturates(h) => {

@@ -65,7 +65,7 @@ pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
     while !stop.is_raised() && until.is_none_or(|until| begun.elapsed() < until) {
         while let Some((at, fault)) = faults.next_if(|(at, _)| begun.elapsed() >= *at) {
             tell(format_args!("at {:.1} s: {fault}", at.as_secs_f64()));
-            emulator.suffer(fault);
+            emulator.inject_faults(fault);
         }
         if emulator.path() != path {
             path = emulator.path();

@@ -1,0 +1,20 @@
+// Why a lane has no force, as its banner says it.
+
+/**
+ * @param {{method: string, trip: string | null, safety_stop_method?: string | null}} lane of the state
+ * @param {number} number of the lane, from 1
+ * @returns {string | null} null where nothing keeps the force away
+ */
+export function safetyStopInWords({ method, safety_stop = null, safety_stop_method: culprit = null } = {}, number) {
+  if (safety_stop === null) {
+    return null;
+  }
+  if (culprit === null) {
+    // The device, the hand or the machine: no method is to blame.
+    return `Lane ${number}: no force, because ${safety_stop}.`;
+  }
+  if (culprit === method) {
+    return `${method}: no force, because ${safety_stop}.`;
+  }
+  return `Lane ${number}: no force, because of ${culprit}, which rendered before: ${safety_stop}. ${method} renders now; Rearm lets the force come back.`;
+}

@@ -1,0 +1,75 @@
+//! State of a proxy relative to its device, and its decay.
+
+use super::coupled::Coupled;
+use crate::rigid::Vector3;
+
+/// State of a proxy relative to its device. Unlike CHAI3D's proxy it is not constrained to the surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ProxyState {
+    /// o: position of the proxy minus that of the device `[m]`.
+    pub offset: Vector3,
+    /// w: velocity of the proxy minus that of the device `[m/s]`.
+    pub velocity_offset: Vector3,
+}
+
+impl ProxyState {
+    pub fn none() -> Self {
+        Self {
+            offset: Vector3::zeros(),
+            velocity_offset: Vector3::zeros(),
+        }
+    }
+}
+
+/// Fraction of the offset limit that a tool in contact keeps.
+const KEPT_IN_CONTACT: f64 = 0.05;
+/// Decay time of the excess offset in contact `[s]`.
+const BACK_IN_CONTACT: f64 = 1.0;
+
+impl Coupled {
+    /// Decays the proxy offset of a tool without contact. Returns the change of the offset.
+    pub fn walk_back(&self, proxy: &mut ProxyState, elapsed: f64) -> Vector3 {
+        let ProxyState {
+            offset,
+            velocity_offset,
+        } = proxy;
+        let norm = offset.norm();
+        let most = self.offset_return * elapsed;
+        let back = if norm <= most {
+            -*offset
+        } else {
+            *offset * (-most / norm)
+        };
+        *offset += back;
+        *velocity_offset *= 1.0 - (elapsed / self.velocity_return).min(1.0);
+        back
+    }
+
+    /// Decays the excess proxy offset of a tool in contact. Returns the change of the offset.
+    ///
+    /// A decay during a change of force costs energy, so the proxy keeps an offset of up to [`KEPT_IN_CONTACT`]. A
+    /// larger offset results from lost samples or an outlier, and would displace a wall for as long as it is pressed.
+    /// The excess decays within about [`BACK_IN_CONTACT`], at most as fast as in free motion.
+    pub fn walk_back_in_contact(&self, proxy: &mut ProxyState, elapsed: f64) -> Vector3 {
+        let offset = &mut proxy.offset;
+        let norm = offset.norm();
+        let beyond = norm - KEPT_IN_CONTACT * self.offset_limit;
+        if beyond <= 0.0 {
+            return Vector3::zeros();
+        }
+        let most = (beyond / BACK_IN_CONTACT).min(self.offset_return) * elapsed;
+        let back = *offset * (-most / norm);
+        *offset += back;
+        back
+    }
+
+    /// Clamps the offset to its limit. Returns whether the offset exceeded it.
+    pub fn limit_offset(&self, proxy: &mut ProxyState) -> bool {
+        let norm = proxy.offset.norm();
+        let is_beyond = norm > self.offset_limit;
+        if is_beyond {
+            proxy.offset *= self.offset_limit / norm;
+        }
+        is_beyond
+    }
+}
