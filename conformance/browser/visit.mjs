@@ -106,11 +106,11 @@ export class Visit {
   }
 
   /** Waits for the next status; returns it with the number of rows of each rendering by then. */
-  async messages() {
+  async nextStatus() {
     const wait = () =>
-      new Promise((messages) => {
+      new Promise((resolve) => {
         const { model } = palpate;
-        const hear = () => messages({ lanes: model.status.lanes, rows: model.lanes.map(({ ring }) => ring.length) });
+        const hear = () => resolve({ lanes: model.status.lanes, rows: model.lanes.map(({ ring }) => ring.length) });
         model.addEventListener("status", hear, { once: true });
       });
     return this.get(wait);

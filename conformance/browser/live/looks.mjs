@@ -143,7 +143,7 @@ for (const [name, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
 }
 
 for (const viewport of [WIDE, { width: 1320, height: 760 }]) {
-  test(`${viewport.width} px wide: the scene keeps its scale, whatever is messages beside it`, async () => {
+  test(`${viewport.width} px wide: the scene keeps its scale, whatever text is beside it`, async () => {
     const live = await startLive();
     const open = await visit(live.url, {
       viewport,
@@ -160,7 +160,7 @@ for (const viewport of [WIDE, { width: 1320, height: 760 }]) {
         requestAnimationFrame(look);
       },
     });
-    await open.messages();
+    await open.nextStatus();
     await open.until("what is seen is said", () => document.querySelector("#seen").textContent !== "");
     await open.page.click("#record");
     await open.until("it records", () => document.querySelector("#recording").textContent.includes("ticks"));
@@ -179,7 +179,7 @@ for (const viewport of [WIDE, { width: 1320, height: 760 }]) {
 test("at no width does anything stand beside the window", async () => {
   const live = await startLive();
   const open = await visit(live.url);
-  await open.messages();
+  await open.nextStatus();
   // The narrowest and widest width of each layout, and common screen widths.
   for (const width of [481, 600, 899, 900, 1024, 1280, 1319, 1320, 1366, 1440, 1920]) {
     await open.page.setViewport({ width, height: 760 });

@@ -90,7 +90,7 @@ test("a slider sets what a field sets", async () => {
   await open.page.keyboard.press("ArrowRight");
   // During this time the hand on it keeps control.
   await new Promise((go) => setTimeout(go, 600));
-  await open.messages();
+  await open.nextStatus();
   assert.equal(await at(), middle + 1);
   assert.equal(await open.get(() => palpate.model.state.virtual_force_n), 0);
   await open.leave();
@@ -110,9 +110,9 @@ test("rate and period are one thing", async () => {
   // The rows come at that rate.
   await open.pass(1.2);
   const { count } = await open.over(0, "lateness_s", 1);
-  await open.messages();
+  await open.nextStatus();
   // A missed deadline has no row.
-  const { missed_deadlines: missed } = (await open.messages()).lanes[0];
+  const { missed_deadlines: missed } = (await open.nextStatus()).lanes[0];
   assert.ok(count + missed > 240 && count <= 252, `${count} rows in a second, ${missed} deadlines missed`);
   await open.leave();
   await live.end();

@@ -30,10 +30,10 @@ export class HandTarget {
    * With each frame of the screen, at this time [s].
    *
    * @param {number} nowS
-   * @param {number[] | null | undefined} told target of the hand according to the server
+   * @param {number[] | null | undefined} reported target of the hand according to the server
    * @param {(value: number[]) => boolean} send whether it was sent
    */
-  frame(nowS, modelValues, send) {
+  frame(nowS, reported, send) {
     if (!this.value) {
       return;
     }
@@ -43,7 +43,7 @@ export class HandTarget {
       }
       return;
     }
-    const isSo = modelValues?.length === this.value.length && modelValues.every((part, k) => Math.abs(part - this.value[k]) <= SAME);
+    const isSo = reported?.length === this.value.length && reported.every((part, k) => Math.abs(part - this.value[k]) <= SAME);
     if (isSo || nowS - this.saidS >= KEPT_S) {
       this.drop();
     }

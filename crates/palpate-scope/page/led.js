@@ -30,7 +30,7 @@ export class Led {
   }
 
   /** What the server says of it. */
-  get modelValues() {
+  get reported() {
     return handsOf(this.model.state)[this.number] ?? {};
   }
 
@@ -42,14 +42,14 @@ export class Led {
 
   /** Where it is led from: what was asked for last, what the server says, or where the tool is. */
   get fromM() {
-    return this.led.value ?? this.modelValues.hand_m ?? this.tool.position;
+    return this.led.value ?? this.reported.hand_m ?? this.tool.position;
   }
 
   /** What it is turned from. */
   get turnedFrom() {
-    const { hand_m: place, hand_orientation: orientation } = this.modelValues;
-    const modelValues = place ? (orientation ?? this.began.orientation) : null;
-    return this.turned.value ?? modelValues ?? this.tool.orientation;
+    const { hand_m: place, hand_orientation: orientation } = this.reported;
+    const reported = place ? (orientation ?? this.began.orientation) : null;
+    return this.turned.value ?? reported ?? this.tool.orientation;
   }
 
   lead(toM) {
@@ -63,7 +63,7 @@ export class Led {
     if (!this.turns) {
       return;
     }
-    if (!this.modelValues.hand_m) {
+    if (!this.reported.hand_m) {
       this.lead(this.fromM);
     }
     const length = Math.hypot(...orientation);
@@ -83,7 +83,7 @@ export class Led {
 
   /** With each frame of the screen, at this time [s]. */
   frame(nowS) {
-    const { hand_m: place, hand_orientation: orientation } = this.modelValues;
+    const { hand_m: place, hand_orientation: orientation } = this.reported;
     this.led.frame(nowS, place, (to) => this.send(say.tool(to, this.number)));
     this.turned.frame(nowS, orientation, (to) => this.send(say.turn(to, this.number)));
   }

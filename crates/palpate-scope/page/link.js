@@ -107,14 +107,14 @@ export class Link {
 
   /** A browser does not tell why a WebSocket was refused; a request to the same address does. */
   async whyRefused() {
-    const modelValues = {
+    const reasons = {
       401: "it asks for another token: open the address that it has printed",
       403: "it does not take this page's origin",
       421: "it does not answer to this name; start it with --allow-host",
       503: "it serves as many clients as it can",
     };
     try {
-      return modelValues[(await fetch(this.path, { cache: "no-store" })).status];
+      return reasons[(await fetch(this.path, { cache: "no-store" })).status];
     } catch {
       return undefined;
     }

@@ -82,9 +82,9 @@ export function readSamples(bytes, columns) {
   if (kind !== SAMPLES) {
     throw new RangeError(`a frame of kind ${kind} is not known; ${SAMPLES} is samples`);
   }
-  const modelValues = head.getUint16(2, true);
-  if (modelValues !== columns) {
-    throw new RangeError(`a frame has ${modelValues} columns, hello has modelValues of ${columns}`);
+  const announced = head.getUint16(2, true);
+  if (announced !== columns) {
+    throw new RangeError(`a frame has ${announced} columns, hello announces ${columns}`);
   }
   const rows = head.getUint32(4, true);
   const wanted = HEADER_BYTES + 4 * rows * (1 + columns);

@@ -79,20 +79,20 @@ export class Status {
 
   takeRecording() {
     const { state, status, recordedFiles } = this.model;
-    const modelValues = status?.recording;
+    const reported = status?.recording;
     let text = "";
     if (state?.recording) {
       const parts = [`Recording ${recordedFiles.join(", ")}`];
-      if (modelValues) {
-        parts.push(`${count(modelValues.ticks)} ticks`, `${count(modelValues.lost)} lost`, bytes(modelValues.bytes));
-        this.lastRecording = modelValues;
+      if (reported) {
+        parts.push(`${count(reported.ticks)} ticks`, `${count(reported.lost)} lost`, bytes(reported.bytes));
+        this.lastRecording = reported;
       }
       text = parts.join(" · ");
     } else if (recordedFiles.length > 0) {
       const last = this.lastRecording;
       text = `Recorded ${recordedFiles.join(", ")}${last?.lost ? ` · ${count(last.lost)} ticks lost` : ""}`;
     }
-    const failed = modelValues?.failed ?? null;
+    const failed = reported?.failed ?? null;
     const { recording } = this.places;
     const said = failed ? `Recording has failed: ${failed}` : text;
     if (recording.textContent !== said) {
