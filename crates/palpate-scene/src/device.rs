@@ -51,7 +51,7 @@ pub struct PointMassDevice {
     /// Cogging of the motor.
     pub cogging: Option<Cogging>,
     /// Standard deviation of the sensor's white noise, before quantisation `[m]`; the model value is in
-    /// [`Model`](crate::Told).
+    /// [`Model`](crate::Model).
     pub noise: f64,
     /// The hand that holds it.
     pub hand: Hand,

@@ -22,7 +22,7 @@ impl<C> TwoDiy<C> {
         }
     }
 
-    /// Starts a watchdog process with `command`, which calls [`serve`](palpate_rt::guardian::serve). The process
+    /// Starts a watchdog process with `command`, which calls [`serve`](palpate_rt::watchdog::serve). The process
     /// commands zero torque if this program ends, or if the driver sends nothing for `limit` while a torque is on. It
     /// ends when the device is closed. If it ends earlier, the device commands only zero torque and returns
     /// [`Refused`](palpate_device::DeviceErrorKind::Refused).

@@ -16,8 +16,8 @@
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("tap.mcap");
 //!
-//! let receipt = RecordingMetadata::new("0.1.0").with("scene", "scene_format = 1");
-//! let mut writer = RecordingWriter::create(&path, &receipt)?;
+//! let metadata = RecordingMetadata::new("0.1.0").with("scene", "scene_format = 1");
+//! let mut writer = RecordingWriter::create(&path, &metadata)?;
 //! // Two contacts; a loop that touches one thing has one.
 //! writer.append(&Tick::default(), &[ContactTick::default(), ContactTick::default()])?;
 //! writer.finish()?;

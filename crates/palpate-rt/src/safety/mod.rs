@@ -184,7 +184,7 @@ impl Safety {
         self.answer(rendered, looked, false)
     }
 
-    /// Performs the first half of [`reference`](Self::judge), for a loop of several devices: checks a fresh sample of
+    /// Performs the first half of [`evaluate`](Self::evaluate), for a loop of several devices: checks a fresh sample of
     /// this device for a reason to stop. Generated energy does not count while a soft start of any device is active
     /// (`comes_in`).
     pub(crate) fn look(&mut self, rendered: &Rendered, comes_in: bool) -> Observation {
@@ -224,7 +224,7 @@ impl Safety {
         Observation { stopped, recovered }
     }
 
-    /// Performs the second half of [`reference`](Self::judge): returns the wrench to command. It is zero if `withheld`,
+    /// Performs the second half of [`evaluate`](Self::evaluate): returns the wrench to command. It is zero if `withheld`,
     /// because another device of the loop has stopped.
     pub(crate) fn answer(
         &mut self,

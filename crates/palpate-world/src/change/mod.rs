@@ -33,7 +33,7 @@ impl WorldRenderer {
     /// Device estimates and commanded forces continue. The energy added or removed by a change is recorded as outside
     /// work. The ledgers of removed elements are summed in [`EnergyLedger::gone`](crate::EnergyLedger::gone). The force may step at
     /// the next sample. This function allocates, like [`new`](Self::new). [`succeed`](Self::succeed) followed by
-    /// [`resume`](Self::go_on) has the same effect, and `resume` does not allocate.
+    /// [`resume`](Self::resume) has the same effect, and `resume` does not allocate.
     ///
     /// # Errors
     /// All faults of the new world, or a changed number, order, name or kind of tools.
