@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::process::ExitCode;
 
-use palpate_files::atomic::{WriteError, WriteFault};
-use palpate_files::outputs::OutputError;
+use palpate_record::files::atomic::{WriteError, WriteFault};
+use palpate_record::files::outputs::OutputError;
 use palpate_plot::map::NotInTheMap;
 use palpate_scene::SceneError;
 use palpate_study::map::metadata::NoNumber;

@@ -4,7 +4,7 @@ use std::fmt;
 use std::io::{self, Write};
 use std::path::Path;
 
-use palpate_files::outputs::Outputs;
+use palpate_record::files::outputs::Outputs;
 use palpate_sim::run::Run;
 use palpate_study::json;
 use palpate_study::report::Report;

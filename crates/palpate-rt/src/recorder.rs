@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-use palpate_files::atomic::WriteError;
+use palpate_record::files::atomic::WriteError;
 use palpate_record::recording::{
     ContactTick, DeviceTick, Event, LoopCount, LoopTime, RecordingMetadata, RecordingWriter, Row,
     Summary, Tick,

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use palpate_files::bounded::{SCENE, TABLE};
+use palpate_record::files::bounded::{SCENE, TABLE};
 
 /// Callback that reads the text of a file by its name in a scene.
 pub(super) type Files<'a> = &'a mut dyn FnMut(&str) -> io::Result<String>;

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use palpate_device::Device;
 use palpate_device::clock::Clock;
-use palpate_files::atomic::WriteError;
+use palpate_record::files::atomic::WriteError;
 use palpate_record::recording::RecordingMetadata;
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::{Account, ControlLoop, LoopEnd, LoopThread, Recorder, Renders, StopFlag};

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, ValueHint};
 use palpate_figure::Size;
-use palpate_files::atomic::Existing;
-use palpate_files::outputs::{Kept, Outputs};
+use palpate_record::files::atomic::Existing;
+use palpate_record::files::outputs::{Kept, Outputs};
 use palpate_record::trace::{Delimiter, Layout, Part, Ways};
 use palpate_record::unit::{LengthUnit, TimeUnit};
 

@@ -92,7 +92,7 @@ pub fn read_world_trace(
 
 fn opened(path: &Path, name: &str) -> Result<File, Failure> {
     let file = File::open(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
-    palpate_files::inputs::note(path);
+    palpate_record::files::inputs::note(path);
     Ok(file)
 }
 

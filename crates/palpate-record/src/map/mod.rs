@@ -18,10 +18,10 @@ pub use row::{Row, StaySwing};
 
 use std::io::{self, Read, Write};
 
-use palpate_files::checksum::Checksum;
+use crate::files::checksum::Checksum;
 use thiserror::Error;
 
-use palpate_files::bounded::TABLE;
+use crate::files::bounded::TABLE;
 
 use crate::run::metadata;
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use mcap::records::Metadata;
-use palpate_files::checksum::Checksum;
+use crate::files::checksum::Checksum;
 
 use super::{READ, VERSION};
 

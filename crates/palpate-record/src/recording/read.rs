@@ -103,7 +103,7 @@ impl Recording {
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         let named = |error| in_file(path, error);
         let source = File::open(path).map_err(|error| named(error.into()))?;
-        palpate_files::inputs::note(path);
+        crate::files::inputs::note(path);
         let bytes = source.metadata().map_err(|error| named(error.into()))?;
         let mut walk = Walk::begin(BufReader::new(source)).map_err(named)?;
         let mut recording = Self {

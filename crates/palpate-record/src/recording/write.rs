@@ -6,7 +6,7 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use palpate_files::atomic::WriteError;
+use crate::files::atomic::WriteError;
 use tempfile::TempPath;
 
 use super::stream::Stream;

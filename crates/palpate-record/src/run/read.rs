@@ -7,7 +7,7 @@ use csv::StringRecord;
 use thiserror::Error;
 
 use super::{MARK, VERSION, metadata};
-use palpate_files::bounded::TABLE;
+use crate::files::bounded::TABLE;
 
 use crate::place::{TextPosition, field_span, first_byte, open_quote, record_span};
 

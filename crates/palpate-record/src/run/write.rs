@@ -276,7 +276,7 @@ mod tests {
         if !full.exists() {
             return;
         }
-        let error = palpate_files::atomic::write(full, |out| {
+        let error = crate::files::atomic::write(full, |out| {
             let mut writer = RunWriter::new(out, NO_METADATA, &["x"])?;
             for _ in 0..100_000 {
                 writer.row(&[0.1.into()])?;

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::ops::Range;
 
 use csv::StringRecord;
-use palpate_files::bounded::{Bounded, TABLE};
+use crate::files::bounded::{Bounded, TABLE};
 
 use super::columns::{Column, Kind, Wanted};
 use super::fault::{TraceError, TraceFault};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_files::atomic::WriteError;
+use palpate_record::files::atomic::WriteError;
 use palpate_record::recording::{
     BodyTick, ContactTick, DeviceTick, Entry, Event, Flags, LoopCount, Phase, Recording,
     RecordingError, RecordingMetadata, RecordingWriter, Row, Tick, Value,

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
-use palpate_files::bounded::MESH;
+use palpate_record::files::bounded::MESH;
 use palpate_testbed::world::mesh::gallery;
 use palpate_world::{Hull, HullError, Mesh, Shape, Vector};
 use serde::Deserialize;

@@ -3,8 +3,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use palpate_files::atomic;
-use palpate_files::bounded::DISTANCE_GRID;
+use palpate_record::files::atomic;
+use palpate_record::files::bounded::DISTANCE_GRID;
 use palpate_world::{DistanceGrid, Mesh, PointShell};
 use serde::Deserialize;
 

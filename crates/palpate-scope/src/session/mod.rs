@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use palpate_device::Capabilities;
-use palpate_files::atomic::WriteError;
+use palpate_record::files::atomic::WriteError;
 use palpate_rt::realtime::Answer;
 use palpate_rt::{Account, Ending as LoopEnding, Note, StopFlag};
 use palpate_scene::Scene;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_files::atomic::WriteError;
+use palpate_record::files::atomic::WriteError;
 use palpate_record::recording::{ContactTick, RecordingMetadata, Tick};
 use palpate_rt::{Counters, LoopEvent, Note, Recorder, Tap};
 

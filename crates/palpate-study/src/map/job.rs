@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use palpate_files::atomic::{Existing, WriteError, check};
-use palpate_files::journal::{Journal, JournalError};
+use palpate_record::files::atomic::{Existing, WriteError, check};
+use palpate_record::files::journal::{Journal, JournalError};
 use palpate_record::map::{Format, Map, Row};
 
 use super::report::Speed;

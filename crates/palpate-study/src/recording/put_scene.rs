@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use palpate_files::bounded::SCENE;
+use palpate_record::files::bounded::SCENE;
 use palpate_record::recording::RecordingMetadata;
 use palpate_scene::{Scene, SceneErrors, SceneFile, beside};
 

@@ -8,8 +8,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use palpate_calibrate::{Calibration, Measured, Quantity, measure};
-use palpate_files::bounded::DEVICE;
-use palpate_files::outputs::Outputs;
+use palpate_record::files::bounded::DEVICE;
+use palpate_record::files::outputs::Outputs;
 
 pub use arguments::CalibrateArguments;
 use arguments::KnownFlags;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use palpate_files::outputs::Outputs;
+use palpate_record::files::outputs::Outputs;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_study::table;
 use palpate_study::world::compare::{COLUMNS, WorldComparison, WorldRows};

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use palpate_files::atomic::Existing;
-use palpate_files::checksum::Checksum;
-use palpate_files::outputs::Outputs;
+use palpate_record::files::atomic::Existing;
+use palpate_record::files::checksum::Checksum;
+use palpate_record::files::outputs::Outputs;
 
 use crate::failure::Failure;
 

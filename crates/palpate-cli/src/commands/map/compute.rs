@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use palpate_files::journal::{Journal, JournalError};
+use palpate_record::files::journal::{Journal, JournalError};
 use palpate_record::map::Map;
 use palpate_study::map::report::Speed;
 use palpate_study::map::{MapFollower, MapJob, MapJobError, MapParams};

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_files::atomic::{Existing, is_stream};
-use palpate_files::outputs::Outputs;
+use palpate_record::files::atomic::{Existing, is_stream};
+use palpate_record::files::outputs::Outputs;
 use palpate_record::map::Map;
 
 use super::arguments::MapResults;

@@ -34,7 +34,7 @@ pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         let name = path.display().to_string();
         let file = File::open(path)
             .map_err(|error| Failure::System(format!("cannot read part `{name}`: {error}")))?;
-        palpate_files::inputs::note(path);
+        palpate_record::files::inputs::note(path);
         let part = Map::read(file, &name).map_err(Failure::input)?;
         parts.push((name, part));
     }

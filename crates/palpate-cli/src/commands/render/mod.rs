@@ -45,7 +45,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     arguments.replay.check()?;
     if arguments.trace == Path::new(STANDARD_INPUT) {
         // A shell may have redirected a file.
-        palpate_files::inputs::note(Path::new("/dev/stdin"));
+        palpate_record::files::inputs::note(Path::new("/dev/stdin"));
     }
     let outputs = arguments.results.check(&arguments.trace)?;
     let period = setup.loop_params.period;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use palpate_files::outputs::Outputs;
+use palpate_record::files::outputs::Outputs;
 use palpate_scene::world::WorldFile;
 use palpate_sim::world::{WorldBench, WorldBenchError};
 use palpate_study::report::RecordedMotion;
@@ -44,7 +44,7 @@ pub fn run(arguments: &RenderArguments, input: &Path) -> Result<(), Failure> {
     };
     let known = [&FLAGS[..], &TraceFlags::NAMES].concat();
     worlds::only(&arguments.given, &known, path)?;
-    palpate_files::inputs::note(input);
+    palpate_record::files::inputs::note(input);
     let outputs = arguments.results.check(path)?;
     let name = input.display().to_string();
     let devices = &file.scene.devices;

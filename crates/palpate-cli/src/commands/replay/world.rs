@@ -1,6 +1,6 @@
 //! `palpate replay` of a world's recording: its motion by another method.
 
-use palpate_files::outputs::Outputs;
+use palpate_record::files::outputs::Outputs;
 use palpate_record::recording::Recording;
 use palpate_session::{RecordedWorld, RecordedWorldError};
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use palpate_calibrate::Calibration;
-use palpate_files::bounded::DEVICE;
+use palpate_record::files::bounded::DEVICE;
 use palpate_record::recording::Recording;
 use palpate_study::card::{
     CalibrationRun, Card, CardError, CardProgress, MAX_RECORDINGS, Sources, file_name, utc,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
-use palpate_files::bounded::SCENE;
+use palpate_record::files::bounded::SCENE;
 use palpate_record::recording::RecordingMetadata;
 use palpate_rt::realtime::Request;
 use palpate_rt::{ControlLoop, OnDevice, RenderedWorld, SetupError, metadata_of_devices};

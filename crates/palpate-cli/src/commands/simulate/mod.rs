@@ -5,7 +5,7 @@ mod world;
 use std::path::Path;
 use std::string::FromUtf8Error;
 
-use palpate_files::bounded::SCENE;
+use palpate_record::files::bounded::SCENE;
 use palpate_record::unit::Spacing;
 use palpate_scene::method::MethodName;
 use palpate_scene::world::WorldFile;

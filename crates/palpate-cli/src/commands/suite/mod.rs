@@ -5,8 +5,8 @@ mod worlds;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use palpate_files::bounded::SCENE;
-use palpate_files::outputs::Outputs;
+use palpate_record::files::bounded::SCENE;
+use palpate_record::files::outputs::Outputs;
 use palpate_scene::method::MethodName;
 use palpate_study::suite::report::SuiteReport;
 use palpate_study::suite::{self, Column, Evaluated, table};

@@ -1,4 +1,4 @@
-//! Registry of the files read by this process, which prevents an [output](crate::outputs) from overwriting them.
+//! Registry of the files read by this process, which prevents an [output](crate::files::outputs) from overwriting them.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ fn read() -> MutexGuard<'static, BTreeMap<PathBuf, PathBuf>> {
     READ.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Registers the file at `path` as read. [`bounded`](crate::bounded) registers the files that it reads.
+/// Registers the file at `path` as read. [`bounded`](crate::files::bounded) registers the files that it reads.
 pub fn note(path: &Path) {
     if let Ok(place) = path.canonicalize()
         && place.is_file()

@@ -1,7 +1,7 @@
 //! A journal of work in progress, whose lines survive a crash of the program.
 //!
 //! Each line carries a checksum, so an incomplete last line is detected after a crash of the program or the machine.
-//! A result file is not a journal: it appears complete, by [`atomic::write`](crate::atomic::write), and its journal
+//! A result file is not a journal: it appears complete, by [`atomic::write`](crate::files::atomic::write), and its journal
 //! is then removed.
 //!
 //! One program at a time uses a journal. It locks the journal from opening until the program ends, and writes a line
@@ -14,11 +14,11 @@ use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use crate::atomic::WriteError;
-use crate::bounded::JOURNAL;
-use crate::checksum::Checksum;
-pub use crate::lock::Holder;
-use crate::lock::{Locked, is_at, try_lock};
+use crate::files::atomic::WriteError;
+use crate::files::bounded::JOURNAL;
+use crate::files::checksum::Checksum;
+pub use crate::files::lock::Holder;
+use crate::files::lock::{Locked, is_at, try_lock};
 
 /// Maximum time between synchronisations to disk while lines are appended.
 const SYNC_EVERY: Duration = Duration::from_secs(2);

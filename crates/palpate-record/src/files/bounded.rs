@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-use crate::inputs;
+use crate::files::inputs;
 
 /// A kind of file and its maximum length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

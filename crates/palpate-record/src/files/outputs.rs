@@ -1,8 +1,8 @@
 //! The output files of a command: checked together before its work starts, written after it.
 //!
 //! ```
-//! use palpate_files::atomic::Existing;
-//! use palpate_files::outputs::Outputs;
+//! use crate::files::atomic::Existing;
+//! use crate::files::outputs::Outputs;
 //!
 //! let folder = tempfile::tempdir()?;
 //! let (table, figure) = (folder.path().join("run.csv"), folder.path().join("run.svg"));
@@ -24,8 +24,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::atomic::{self, Existing, WriteError, directory_of, follow_links, is_stream};
-use crate::inputs;
+use crate::files::atomic::{self, Existing, WriteError, directory_of, follow_links, is_stream};
+use crate::files::inputs;
 
 /// The planned output files of a command.
 #[derive(Debug)]
@@ -274,7 +274,7 @@ mod tests {
         let mut outputs = Outputs::new(Existing::Replace);
         outputs.plan("--out", &input).unwrap();
         outputs.spare_inputs().unwrap();
-        crate::bounded::MESH.bytes(&input).unwrap();
+        crate::files::bounded::MESH.bytes(&input).unwrap();
         let words = format!("--out would overwrite the input {}", input.display());
         assert_eq!(outputs.spare_inputs().unwrap_err().to_string(), words);
         let refused = outputs.write(&input, |out| out.write_all(b"t_s"));

@@ -14,6 +14,3 @@ pub mod journal;
 mod lock;
 pub mod outputs;
 
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct ReadmeExamples;
