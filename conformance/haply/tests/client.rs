@@ -8,7 +8,7 @@ use haply::device_model::{Config, DeviceType, Force, ForceInput, ProfileConfig, 
 use haply::events::EventChannel;
 use haply::http::InverseHttpClient;
 use palpate_haply::inverse3::Form;
-use palpate_haply_emulator::inverse3::{Emulator, EmulatorOptions};
+use palpate_haply::emulator::inverse3::{Emulator, EmulatorOptions};
 
 const ID: &str = "049D";
 

@@ -8,7 +8,7 @@ use palpate_conformance_realtime::misdeeds::{Misdeed, commit};
 use palpate_conformance_realtime::situations::{MONOTONIC, STEPPED, Situation, scene};
 use palpate_device::clock::MonotonicClock;
 use palpate_haply::inverse3::{Inverse3, Inverse3Options};
-use palpate_haply_emulator::inverse3::{Emulator, EmulatorOptions, Fault};
+use palpate_haply::emulator::inverse3::{Emulator, EmulatorOptions, Fault};
 use palpate_rt::ControlLoop;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;

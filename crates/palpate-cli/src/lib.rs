@@ -10,6 +10,7 @@ mod devices;
 mod excerpt;
 mod failure;
 mod inside;
+mod pipe;
 mod progress;
 mod recorded;
 mod results;

@@ -1,6 +1,10 @@
-//! Drivers of Haply's devices for a palpate loop. The crate `palpate-haply-emulator` contains an emulator of each.
+//! Drivers of Haply's devices for a palpate loop. The module `emulator`, with the
+//! feature of that name, contains an emulator of each; [`prepared`] prepares devices for a loop.
 
+#[cfg(feature = "emulator")]
+pub mod emulator;
 pub mod inverse3;
+pub mod prepared;
 pub mod two_diy;
 
 #[cfg(doctest)]

@@ -6,7 +6,7 @@ use std::process::Command;
 use std::time::Duration;
 
 #[cfg(unix)]
-use palpate_devices::trial::try_out;
+use palpate_haply::prepared::trial::try_out;
 use palpate_haply::two_diy::ports;
 use palpate_rt::realtime::{Answer, Finding, machine};
 use palpate_rt::safety::SafetyParams;

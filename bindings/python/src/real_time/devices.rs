@@ -7,7 +7,7 @@ use std::time::Duration;
 use palpate::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device};
-use palpate_devices::{Axis, FIRST_AXIS};
+use palpate_haply::prepared::{Axis, FIRST_AXIS};
 use palpate_haply::inverse3::{Inverse3, Inverse3Options, Pace, SERVICE};
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
 use pyo3::exceptions::PyOSError;
@@ -215,7 +215,7 @@ impl Placed {
                 "world_axes is for a World; the contact of a Renderer lies along normal",
             ));
         }
-        palpate_devices::axis(
+        palpate_haply::prepared::axis(
             self.origin.as_deref(),
             self.normal.as_deref(),
             device,
@@ -223,8 +223,8 @@ impl Placed {
         )
         .map_err(|error| {
             let what = match error.what() {
-                palpate_devices::Placed::Origin => "origin",
-                palpate_devices::Placed::Normal => "normal",
+                palpate_haply::prepared::Placed::Origin => "origin",
+                palpate_haply::prepared::Placed::Normal => "normal",
             };
             refused(format!("{what}: {error}"))
         })

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
-use palpate_devices::Axis;
-use palpate_devices::two_diy::{
+use palpate_haply::prepared::Axis;
+use palpate_haply::prepared::two_diy::{
     DisableOutput, Guard, OpenError, PortError, Setup, identity, usual_axis,
 };
 use palpate_haply::two_diy::{Board, Calibration, Generation};

@@ -2,8 +2,8 @@
 
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector};
-use palpate_devices::inverse3::{Overheard, identity};
-use palpate_devices::{FIRST_AXIS, Reopen};
+use palpate_haply::prepared::inverse3::{Overheard, identity};
+use palpate_haply::prepared::{FIRST_AXIS, Reopen};
 use palpate_haply::inverse3::{ConnectError, Inverse3, Inverse3Options, OpenError, Pace, SERVICE};
 
 use super::arguments::Inverse3Arguments;

@@ -18,7 +18,7 @@ pub use several::{FLAGS_OF_A_DEVICE, kinds, names, open_for_world};
 use palpate::AlongAxis;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, NullDevice, Vector};
-use palpate_devices::{Axis, FIRST_AXIS, Reconnecting, Reopen};
+use palpate_haply::prepared::{Axis, FIRST_AXIS, Reconnecting, Reopen};
 use palpate_rt::WorldFrame;
 use palpate_scene::Scene;
 use palpate_scene::world::{WorldDevice, WorldScene};
@@ -31,7 +31,7 @@ use crate::failure::{Failure, tell};
 #[cfg(unix)]
 use crate::values::duration;
 #[cfg(unix)]
-use palpate_devices::two_diy::{identity, usual_axis};
+use palpate_haply::prepared::two_diy::{identity, usual_axis};
 use palpate_session::Guarding;
 
 /// An open device with the contact's axis in its frame.

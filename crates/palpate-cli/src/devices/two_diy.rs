@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use palpate_device::Device;
 use palpate_device::clock::Clock;
-use palpate_devices::Reopen;
-use palpate_devices::two_diy::{DisableOutput, Guard, OpenError, PortError, Setup};
+use palpate_haply::prepared::Reopen;
+use palpate_haply::prepared::two_diy::{DisableOutput, Guard, OpenError, PortError, Setup};
 use palpate_haply::two_diy::{Board, Calibration, Generation, TwoDiy};
 use palpate_rt::watchdog::WatchdogError;
 use palpate_session::Guarding;

@@ -1,7 +1,7 @@
 //! `palpate run` and `record` with a world, on each device that takes one.
 
 use crate::common::{Answer, Folder, experiment_text, number, parse};
-use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions, holding};
+use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions, holding};
 use palpate_record::recording::{Entry, Recording};
 
 fn folder() -> Folder {
@@ -234,7 +234,7 @@ fn an_inverse3_presses_a_ball_on_a_table() {
 #[cfg(unix)]
 fn record_the_block(folder: &Folder) -> Answer {
     use palpate_haply::two_diy::{Board, Generation};
-    use palpate_haply_emulator::two_diy::{self, Hand, PortSettings, Settings};
+    use palpate_haply::emulator::two_diy::{self, Hand, PortSettings, Settings};
     // The hand starts at the tool's position.
     let settings = Settings {
         angles: Some([130.0, 50.0]),

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use crate::common::running::{Running, program};
 use crate::common::{Folder, experiment_text, number, parse};
 use palpate_haply::two_diy::{Board, Generation};
-use palpate_haply_emulator::two_diy::{Emulator, Fault, Hand, PortSettings, Settings};
+use palpate_haply::emulator::two_diy::{Emulator, Fault, Hand, PortSettings, Settings};
 use palpate_record::recording::{Entry, Recording};
 
 fn folder() -> Folder {

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use crate::common::running::{Running, program};
 use crate::common::{Folder, experiment_text, number, parse};
 use palpate_haply::two_diy::{Board, Generation};
-use palpate_haply_emulator::two_diy::{Did, Emulator, Fault, Hand, PortSettings, Seen, Settings};
+use palpate_haply::emulator::two_diy::{Did, Emulator, Fault, Hand, PortSettings, Seen, Settings};
 use processes::{children, is_held};
 use signals::{Does, signals};
 

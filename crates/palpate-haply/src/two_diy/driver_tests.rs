@@ -8,7 +8,7 @@ use super::super::packet::STATE_LENGTH;
 use super::super::serial::Serial;
 use super::*;
 use crate::two_diy::Generation;
-use palpate_haply_emulator::two_diy::Pty;
+use crate::emulator::two_diy::Pty;
 
 const START: [f32; 2] = [130.0, 50.0];
 /// Time that the driver waits for an answer that a test does not send.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::two_diy::Generation;
-use palpate_haply_emulator::two_diy::Pty;
+use crate::emulator::two_diy::Pty;
 
 /// Time limit for expected events on a busy machine.
 const LIMIT: Duration = Duration::from_secs(30);

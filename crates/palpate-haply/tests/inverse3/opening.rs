@@ -5,7 +5,7 @@ use std::net::{Ipv6Addr, TcpListener};
 
 use palpate_device::clock::MonotonicClock;
 use palpate_haply::inverse3::{Form, Found, Inverse3, Inverse3Options, Unfit, devices};
-use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions};
+use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions};
 
 use crate::{ID, emulator, ms, options, wait_until};
 

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_haply::inverse3::{Form, Inspector, Inverse3};
-use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault, Latency, holding};
+use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault, Latency, holding};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::{SafetyParams, SafetyStop};
 use palpate_rt::{

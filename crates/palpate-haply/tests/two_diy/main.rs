@@ -18,7 +18,7 @@ use palpate::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Device, DeviceErrorKind, Pose};
 use palpate_haply::two_diy::{Board, Calibration, Generation, OpenError, Options, TwoDiy};
-use palpate_haply_emulator::two_diy::{Did, Emulator, Hand, PortSettings, Seen, Settings};
+use palpate_haply::emulator::two_diy::{Did, Emulator, Hand, PortSettings, Seen, Settings};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
 

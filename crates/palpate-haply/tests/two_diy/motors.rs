@@ -1,5 +1,5 @@
 use palpate_haply::two_diy::{Unchecked, Verdict};
-use palpate_haply_emulator::two_diy::{Fault, Wiring};
+use palpate_haply::emulator::two_diy::{Fault, Wiring};
 use palpate_rt::StopFlag;
 
 use super::*;

@@ -2,7 +2,7 @@ use std::io::{Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 
 use palpate_haply::two_diy::LARGEST_TORQUE;
-use palpate_haply_emulator::two_diy::Wiring;
+use palpate_haply::emulator::two_diy::Wiring;
 use palpate_testbed::pantograph::kinematics::Geometry;
 
 use super::*;

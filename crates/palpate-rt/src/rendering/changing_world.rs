@@ -167,7 +167,7 @@ impl Worlds {
         });
         let is_kept: Vec<bool> = is_kept.collect();
         let succession = world
-            .succeed(&self.last, &is_kept)
+            .migrate(&self.last, &is_kept)
             .map_err(WorldChangeError::Succession)?;
         let generation = self.generation.wrapping_add(1);
         let last = world.clone();

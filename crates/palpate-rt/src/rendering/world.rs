@@ -123,13 +123,13 @@ impl RenderedWorld {
         &self.turns
     }
 
-    /// Prepares to continue from `before` with the kept bodies ([`WorldRenderer::succeed`]).
-    pub(super) fn succeed(
+    /// Prepares to continue from `before` with the kept bodies ([`WorldRenderer::migrate`]).
+    pub(super) fn migrate(
         &mut self,
         before: &Self,
         is_kept: &[bool],
     ) -> Result<Succession, Vec<WorldError>> {
-        let succession = self.renderer.succeed(&before.renderer, is_kept)?;
+        let succession = self.renderer.migrate(&before.renderer, is_kept)?;
         self.state = self.renderer.start();
         Ok(succession)
     }

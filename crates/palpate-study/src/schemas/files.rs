@@ -1,4 +1,4 @@
-//! The files of `docs/schema`, compared with the types that they are made from. `palpate-session` and `palpate-pipe`
+//! The files of `docs/schema`, compared with the types that they are made from. `palpate-session` and `palpate-cli`
 //! use this file, too.
 
 use std::collections::BTreeSet;
@@ -10,7 +10,7 @@ use schemars::{JsonSchema, Schema};
 
 /// Schema files by the crate of their type.
 const FILES: [(&str, &[&str]); 3] = [
-    ("palpate-pipe", &["pipe", "world-pipe"]),
+    ("palpate-cli", &["pipe", "world-pipe"]),
     (
         "palpate-session",
         &["bench-loop", "devices", "devices-check", "doctor", "run"],

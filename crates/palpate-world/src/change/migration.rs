@@ -51,7 +51,7 @@ impl New<'_> {
 impl WorldRenderer {
     /// Migrates `state` to the world of this renderer, between two samples. This renderer must have
     /// [started](Self::start) `state`. `before` is the other renderer with its state. `succession` is the result of
-    /// [`succeed`](Self::succeed) for the two renderers. It allocates nothing.
+    /// [`migrate`](Self::migrate) for the two renderers. It allocates nothing.
     ///
     /// - [`changed`](Self::changed) defines which bodies, contacts and joints continue, and how their energy is
     ///   recorded.

@@ -32,7 +32,7 @@ impl WorldRenderer {
     ///
     /// Device estimates and commanded forces continue. The energy added or removed by a change is recorded as outside
     /// work. The ledgers of removed elements are summed in [`EnergyLedger::gone`](crate::EnergyLedger::gone). The force may step at
-    /// the next sample. This function allocates, like [`new`](Self::new). [`succeed`](Self::succeed) followed by
+    /// the next sample. This function allocates, like [`new`](Self::new). [`migrate`](Self::migrate) followed by
     /// [`resume`](Self::resume) has the same effect, and `resume` does not allocate.
     ///
     /// # Errors
@@ -45,7 +45,7 @@ impl WorldRenderer {
         self.check_tools(world)?;
         let now = self.where_it_is(state, world);
         let mut renderer = Self::new(&now, self.loop_params.clone(), self.described.clone())?;
-        let succession = renderer.succeed(self, &[])?;
+        let succession = renderer.migrate(self, &[])?;
         let mut next = renderer.start();
         renderer.resume(&mut next, (self, state), &succession);
         Ok((renderer, next))

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::{Joint, Shape, WorldError, WorldRenderer};
 
-/// Index mapping from the elements of a world to those of its predecessor, created by [`WorldRenderer::succeed`] and
+/// Index mapping from the elements of a world to those of its predecessor, created by [`WorldRenderer::migrate`] and
 /// used by [`WorldRenderer::resume`].
 #[derive(Clone, Debug)]
 pub struct Succession {
@@ -51,7 +51,7 @@ impl WorldRenderer {
     ///
     /// # Errors
     /// A different number, order, name or kind of tools.
-    pub fn succeed(
+    pub fn migrate(
         &mut self,
         before: &Self,
         is_kept: &[bool],

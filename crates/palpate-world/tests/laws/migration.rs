@@ -18,7 +18,7 @@ fn other(
     before: (&WorldRenderer, &WorldState),
 ) -> (WorldRenderer, WorldState) {
     let mut renderer = WorldRenderer::new(world, loop_params, method).expect("renderable");
-    let succession = renderer.succeed(before.0, &[]).expect("the same tools");
+    let succession = renderer.migrate(before.0, &[]).expect("the same tools");
     let mut state = renderer.start();
     renderer.resume(&mut state, before, &succession);
     (renderer, state)

@@ -3,7 +3,7 @@
 use std::io;
 
 use palpate_calibrate::ExcitationParams;
-use palpate_pipe::{CalibratingError, Format, calibrate};
+use crate::pipe::{CalibratingError, Format, calibrate};
 use palpate_rt::StopFlag;
 use palpate_study::calibration::ExcitedMotion;
 

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use palpate_haply::inverse3::Form;
-use palpate_haply_emulator::inverse3::{
+use palpate_haply::emulator::inverse3::{
     Body, Emulator, EmulatorError, EmulatorOptions, Latency, TimedFault,
 };
 use palpate_rt::StopFlag;

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use palpate_pipe::{Answering, Ended, Messages, Mistakes, ServeError, Stopped, answer_all};
+use crate::pipe::{Answering, Ended, Messages, Mistakes, ServeError, Stopped, answer_all};
 use palpate_rt::StopFlag;
 
 use crate::failure::{Failure, tell};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use palpate_pipe::{AnswerColumn, Columns, columns};
+use crate::pipe::{AnswerColumn, Columns, columns};
 use palpate_record::unit::LengthUnit;
 
 use crate::arguments::{Flags, Given};

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use palpate_pipe::world::{
+use crate::pipe::world::{
     DeviceColumns, Names, WorldFormat, WorldMemory, WorldStream, WorldSummary,
 };
 use palpate_rt::BoundedWorld;

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use palpate_haply::two_diy::Generation;
-use palpate_haply_emulator::two_diy::{Did, Emulator, Hand, PortSettings, Settings, Usb, Wiring};
+use palpate_haply::emulator::two_diy::{Did, Emulator, Hand, PortSettings, Settings, Usb, Wiring};
 use palpate_rt::StopFlag;
 
 use super::arguments::{HandArguments, TwoDiyArguments, UsbFlags, WiringName};

@@ -1,0 +1,270 @@
+//! Parser of an input line: a sample, a header or a change.
+
+use palpate_record::unit::LengthUnit;
+
+use crate::pipe::change::Change;
+
+/// Format of the lines, from the flags or the header. It is never guessed from the text: `0,001` can be a time and a
+/// position or a decimal comma, and a wrong guess would move a motor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Format {
+    /// Whether a time precedes the position.
+    pub time: bool,
+    /// Unit of the positions.
+    pub unit: LengthUnit,
+    /// Whether a flag set the unit.
+    pub is_unit_given: bool,
+}
+
+/// A valid line.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Line {
+    /// A sample.
+    Sample {
+        /// Time `[s]`, if the lines have one.
+        time: Option<f64>,
+        /// Device position `[m]`.
+        position: f64,
+    },
+    /// `set NAME=VALUE ...`: a change, or the reason for rejecting it.
+    Set(Result<Change, String>),
+}
+
+/// Reason for rejecting a line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// This line is invalid; the next one may be valid.
+    Line(String),
+    /// The lines do not have the requested format, so all following lines are invalid too.
+    Stream(String),
+}
+
+impl Format {
+    /// Returns the expected line for messages.
+    #[must_use]
+    pub fn shape(&self) -> String {
+        let position = self.unit.position_column();
+        if self.time {
+            format!("`t_s,{position}`")
+        } else {
+            format!("`{position}`")
+        }
+    }
+
+    /// Parses the header in the first line. Returns `None` if the line is not a header.
+    ///
+    /// # Errors
+    /// The header has unexpected columns.
+    pub fn with_header(self, text: &str) -> Result<Option<Self>, String> {
+        let names: Vec<&str> = text.split(',').map(str::trim).collect();
+        let unit_of = |name: &str| {
+            LengthUnit::ALL
+                .into_iter()
+                .find(|unit| unit.position_column() == name)
+        };
+        let are_names = names.iter().all(|name| is_named(name));
+        if !are_names || (names.len() == 1 && !text.contains('_')) {
+            return Ok(None);
+        }
+        let (time, unit) = match names.as_slice() {
+            [position] => (false, unit_of(position)),
+            ["t_s", position] => (true, unit_of(position)),
+            _ => (false, None),
+        };
+        let Some(named) = unit else {
+            return Err(
+                "the first line names other columns than `position_m` or `t_s,position_m`; in place \
+                 of m may stand cm, mm or um"
+                    .into(),
+            );
+        };
+        if self.time && !time {
+            return Err(
+                "the header names a position alone, and --time asks for `t_s,position_m`".into(),
+            );
+        }
+        // A column called position_m may hold another unit, set by the flag.
+        let unit = match named {
+            LengthUnit::Metre => self.unit,
+            _ if !self.is_unit_given || named == self.unit => named,
+            _ => {
+                return Err(format!(
+                    "the header says {named}, and --unit says {}",
+                    self.unit
+                ));
+            }
+        };
+        Ok(Some(Self { time, unit, ..self }))
+    }
+
+    /// Parses a line.
+    ///
+    /// # Errors
+    /// The line is neither a sample nor a change.
+    pub fn parse(&self, text: &str) -> Result<Line, Refusal> {
+        if text.is_empty() {
+            return Err(Refusal::Line(format!(
+                "the line is empty; a line is {}",
+                self.shape()
+            )));
+        }
+        let mut words = text.split_whitespace();
+        if words.next() == Some("set") {
+            return Ok(Line::Set(words.collect::<Vec<_>>().as_slice().try_into()));
+        }
+        let fields: Vec<&str> = text.split(',').map(str::trim).collect();
+        let numbers = fields
+            .iter()
+            .map(|field| field.parse::<f64>().map_err(|_| self.no_number(field)))
+            .collect::<Result<Vec<f64>, _>>()?;
+        let (time, position) = match (self.time, numbers.as_slice()) {
+            (false, &[position]) => (None, position),
+            (true, &[time, _]) if !time.is_finite() => {
+                return Err(Refusal::Line("the time is not a finite number".into()));
+            }
+            (true, &[time, position]) => (Some(time), position),
+            _ => return Err(Refusal::Stream(self.other_columns(text, fields.len()))),
+        };
+        Ok(Line::Sample {
+            time,
+            position: self.unit.metres(position),
+        })
+    }
+
+    fn no_number(&self, field: &str) -> Refusal {
+        Refusal::Line(format!(
+            "\"{}\" is not a number; a line is {}",
+            field.escape_debug(),
+            self.shape()
+        ))
+    }
+
+    /// Describes a line with another count of numbers.
+    fn other_columns(&self, text: &str, count: usize) -> String {
+        let shape = self.shape();
+        match (self.time, count) {
+            (false, _) => format!(
+                "`{text}` has {count} columns, and a line is {shape}: write decimals with a point, as \
+                 in 0.001, or add --time if the lines are a time and a position"
+            ),
+            (true, 1) => format!(
+                "`{text}` has 1 column, and with --time a line is {shape}: put the time [s] before \
+                 every position, or leave --time out"
+            ),
+            (true, _) => format!(
+                "`{text}` has {count} columns, and with --time a line is {shape}: write decimals with \
+                 a point, as in 0.5,0.001"
+            ),
+        }
+    }
+}
+
+/// Whether a field of the first line is a column name: it begins with a letter or a quote, and is neither a number
+/// (such as `nan`) nor a change.
+pub(crate) fn is_named(field: &str) -> bool {
+    field.starts_with(|first: char| first.is_alphabetic() || first == '"')
+        && field.parse::<f64>().is_err()
+        && !field.contains('=')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POSITIONS: Format = Format {
+        time: false,
+        unit: LengthUnit::Metre,
+        is_unit_given: false,
+    };
+    const TIMES: Format = Format {
+        time: true,
+        ..POSITIONS
+    };
+
+    fn refused_stream(format: Format, text: &str) -> String {
+        match format.parse(text) {
+            Err(Refusal::Stream(why)) => why,
+            other => panic!("{text}: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn what_was_asked_for_decides_and_not_the_comma() {
+        let sample = |time, position| Ok(Line::Sample { time, position });
+        assert_eq!(POSITIONS.parse("0.001"), sample(None, 0.001));
+        assert_eq!(TIMES.parse("0, 0.001"), sample(Some(0.0), 0.001));
+        let comma = refused_stream(POSITIONS, "0,001");
+        assert!(
+            comma.contains("a point") && comma.contains("--time"),
+            "{comma}"
+        );
+        let three = refused_stream(POSITIONS, "1,2,3");
+        assert!(three.contains("3 columns"), "{three}");
+        let four = refused_stream(TIMES, "0,5,0,001");
+        assert!(
+            four.contains("4 columns") && four.contains("a point"),
+            "{four}"
+        );
+        assert!(refused_stream(TIMES, "0.001").contains("1 column"));
+    }
+
+    #[test]
+    fn a_line_with_something_else_than_numbers_is_refused_alone() {
+        for text in ["", "0.001,", "what", "1,x", "nan,0.1,"] {
+            for format in [POSITIONS, TIMES] {
+                let refused = format.parse(text);
+                assert!(
+                    matches!(refused, Err(Refusal::Line(_))),
+                    "{text}: {refused:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn units_are_those_of_the_flag_or_of_the_header() {
+        let millimetres = Format {
+            unit: LengthUnit::Millimetre,
+            is_unit_given: true,
+            ..POSITIONS
+        };
+        let in_metres = Line::Sample {
+            time: None,
+            position: 0.012,
+        };
+        assert_eq!(millimetres.parse("12"), Ok(in_metres.clone()));
+        let named = POSITIONS.with_header("position_mm").unwrap().unwrap();
+        assert_eq!(named.parse("12"), Ok(in_metres));
+        // The flag overrides the unit of the default column name.
+        let usual = millimetres.with_header("position_m").unwrap().unwrap();
+        assert_eq!(usual.unit, LengthUnit::Millimetre);
+        let other = millimetres.with_header("position_cm").unwrap_err();
+        assert!(
+            other.contains("says cm") && other.contains("says mm"),
+            "{other}"
+        );
+    }
+
+    #[test]
+    fn a_header_says_whether_there_are_times() {
+        assert_eq!(POSITIONS.with_header("0.001"), Ok(None));
+        assert_eq!(POSITIONS.with_header("t_s,position_m"), Ok(Some(TIMES)));
+        assert_eq!(TIMES.with_header("t_s, position_m"), Ok(Some(TIMES)));
+        assert!(TIMES.with_header("position_m").is_err());
+        // Columns of another unit or quantity would be taken for metres.
+        for text in [
+            "position_m,t_s",
+            "t_s,position_m,force_n",
+            "t_s",
+            "position_in",
+            "x_mm",
+            "time,position",
+        ] {
+            assert!(POSITIONS.with_header(text).is_err(), "{text}");
+        }
+        // Start-up messages of a board and cut-off lines are not headers.
+        for text in ["ready", "nan", "inf,0", "", "1,x_m", "set mass_kg=1"] {
+            assert_eq!(POSITIONS.with_header(text), Ok(None), "{text}");
+        }
+    }
+}
