@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
-VENDORED = ROOT / "crates/palpate-scope/page/vendor"
+VENDORED = ROOT / "crates/palpate-live/page/vendor"
 
 # Preference among the licences that a crate offers: the first match applies.
 PREFERRED = ["Apache-2.0", "MIT", "BSD-3-Clause", "BSD-2-Clause", "ISC", "Zlib", "CC0-1.0", "Unicode-3.0", "MPL-2.0"]

@@ -1,7 +1,7 @@
 //! `advise`: contacts that can be rendered on a device.
 
 use palpate::MethodName;
-use palpate_calibrate::Calibration;
+use palpate_study::calibrate::Calibration;
 use palpate_scene::SetupError;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT, Question};
 use palpate_study::map::{Bounce, BounceError};

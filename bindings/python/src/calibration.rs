@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use palpate_calibrate::{Calibration, ExcitationParams, Phase, Quantity, measure};
+use palpate_study::calibrate::{Calibration, ExcitationParams, Phase, Quantity, measure};
 use palpate_study::calibrated::{NotCalibrated, excite};
 use palpate_study::calibration::{CalibrationReport, ExcitedMotion, GainFrom, shown};
 use pyo3::exceptions::PyTypeError;

@@ -96,7 +96,7 @@ pub extern "C" fn palpate_output_bytes() -> usize {
     EDGE.with_borrow(|edge| edge.output.len())
 }
 
-/// Opens the scene in the input; the output is the greeting of [`palpate_scope::message`].
+/// Opens the scene in the input; the output is the greeting of [`palpate_live::message`].
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_open() -> i32 {
     answer(|edge| {

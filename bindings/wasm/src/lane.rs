@@ -4,8 +4,8 @@ use palpate_device::clock::{Clock as _, SteppedClock};
 use palpate_record::recording::Row;
 use palpate_rt::safety::{OscillationParams, SafetyParams, SafetyStop};
 use palpate_rt::{ControlLoop, Listener, Message, Note, Parameters, Rendering, tap};
-use palpate_scope::message::ServerMessage;
-use palpate_scope::rows::Rows;
+use palpate_live::message::ServerMessage;
+use palpate_live::rows::Rows;
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 
 /// Capacity for ticks, contacts and notes of one call of [`Lane::advance`].

@@ -3,10 +3,10 @@
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Delay, Scene, SceneFile};
-use palpate_scope::message::{
+use palpate_live::message::{
     ClientMessage, ClientRequest, DeviceSaid, LaneState, ServerMessage, Set, parse,
 };
-use palpate_scope::{Limits, Settings, make_room};
+use palpate_live::{Limits, Settings, make_room};
 use palpate_sim::device::{PointerHand, PointerParams};
 use serde::{Deserialize, Serialize};
 

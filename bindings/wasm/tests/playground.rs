@@ -1,6 +1,6 @@
 //! Messages of a page and their effects, without a browser.
 
-use palpate_scope::rows::columns;
+use palpate_live::rows::columns;
 use palpate_wasm::{Playground, Space};
 
 const LIVE: &str = include_str!("../../../experiments/live.toml");

@@ -38,7 +38,7 @@ test("the table that is saved holds what the buffer holds", async () => {
   const before = await open.get(() => palpate.model.lanes.map(({ ring }) => ring.length));
   const { header, rows } = parse((await saved(open, "#csv", ".csv")).toString("utf8"));
   const names = await open.get(() => palpate.model.names);
-  assert.deepEqual(header, ["lane", "method", "settings", "grouped", "t_s", ...names, "palpate_scope_1"]);
+  assert.deepEqual(header, ["lane", "method", "settings", "grouped", "t_s", ...names, "palpate_live_1"]);
   const lanes = [0, 1].map((lane) => rows.filter((row) => row[0] === String(lane)));
   lanes.forEach((lane, i) => {
     assert.ok(lane.length >= before[i], `${lane.length} rows of ${before[i]}`);

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Bins } from "../../../crates/palpate-scope/page/bins.js";
-import { readSamples } from "../../../crates/palpate-scope/page/protocol.js";
-import { Ring } from "../../../crates/palpate-scope/page/ring.js";
+import { Bins } from "../../../crates/palpate-live/page/bins.js";
+import { readSamples } from "../../../crates/palpate-live/page/protocol.js";
+import { Ring } from "../../../crates/palpate-live/page/ring.js";
 import { frameOf } from "./frames.mjs";
 
 function ringOf(times, values, capacity = times.length) {

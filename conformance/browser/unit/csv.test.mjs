@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { field, shortest, table } from "../../../crates/palpate-scope/page/csv.js";
-import { readSamples } from "../../../crates/palpate-scope/page/protocol.js";
-import { Ring } from "../../../crates/palpate-scope/page/ring.js";
+import { field, shortest, table } from "../../../crates/palpate-live/page/csv.js";
+import { readSamples } from "../../../crates/palpate-live/page/protocol.js";
+import { Ring } from "../../../crates/palpate-live/page/ring.js";
 import { frameOf } from "./frames.mjs";
 import { parse } from "../tables.mjs";
 
@@ -38,7 +38,7 @@ test("the table has every row of every lane, and says what a row is", () => {
   ];
   const text = [...table(["a_m", "b_n"], [{ lane: 0, ring: first }, { lane: 1, ring: second }], settings, 7, { title: 'x "y", z' })].join("");
   const { header, rows } = parse(text);
-  assert.deepEqual(header, ["lane", "method", "settings", "grouped", "t_s", "a_m", "b_n", "palpate_scope_1"]);
+  assert.deepEqual(header, ["lane", "method", "settings", "grouped", "t_s", "a_m", "b_n", "palpate_live_1"]);
   assert.deepEqual(rows.map((row) => row.slice(0, 7)), [
     ["0", "basic", "0", "0", "0", "0.1", "1"],
     ["0", "basic", "0", "0", "0.001", "0.2", ""],

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { CHARTS } from "../../../crates/palpate-scope/page/curves.js";
-import { chartsOf, devicesOf, forcesInWords, handsOf } from "../../../crates/palpate-scope/page/devices.js";
-import { say } from "../../../crates/palpate-scope/page/protocol.js";
+import { CHARTS } from "../../../crates/palpate-live/page/curves.js";
+import { chartsOf, devicesOf, forcesInWords, handsOf } from "../../../crates/palpate-live/page/devices.js";
+import { say } from "../../../crates/palpate-live/page/protocol.js";
 
 const tool = (name) => ({ name, shape: {}, position_m: [0, 0, 0], turns: false, orientation: [1, 0, 0, 0] });
 const one = { device: { name: "pointer", pointer: true }, world: { tools: [tool("left")] } };

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Axis } from "../../../crates/palpate-scope/page/axis.js";
-import { Hand } from "../../../crates/palpate-scope/page/hand.js";
+import { Axis } from "../../../crates/palpate-live/page/axis.js";
+import { Hand } from "../../../crates/palpate-live/page/hand.js";
 
 /** A drag target without a browser. */
 class Place extends EventTarget {

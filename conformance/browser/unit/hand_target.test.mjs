@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { HandTarget } from "../../../crates/palpate-scope/page/hand_target.js";
+import { HandTarget } from "../../../crates/palpate-live/page/hand_target.js";
 
 /** A target, and its sent messages. */
 function wished() {

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { afterEach, beforeEach, mock, test } from "node:test";
-import { Link, waitMs } from "../../../crates/palpate-scope/page/link.js";
+import { Link, waitMs } from "../../../crates/palpate-live/page/link.js";
 
 let made = [];
 

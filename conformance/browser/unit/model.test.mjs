@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Model } from "../../../crates/palpate-scope/page/model.js";
-import { readSamples } from "../../../crates/palpate-scope/page/protocol.js";
+import { Model } from "../../../crates/palpate-live/page/model.js";
+import { readSamples } from "../../../crates/palpate-live/page/protocol.js";
 import { frameOf } from "./frames.mjs";
 
 const HELLO = {

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Pace, SAY_S, Turns } from "../../../crates/palpate-scope/page/pace.js";
+import { Pace, SAY_S, Turns } from "../../../crates/palpate-live/page/pace.js";
 
 /** Returns how many of these frames draw the charts, if a frame with charts takes this long. */
 function drawn(frames, withMs, withoutMs = 16.7) {

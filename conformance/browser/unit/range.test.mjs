@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { SteadyRange, roundStep } from "../../../crates/palpate-scope/page/range.js";
+import { SteadyRange, roundStep } from "../../../crates/palpate-live/page/range.js";
 
 test("steps are round", () => {
   for (const [size, step] of [[0.11, 0.2], [0.2, 0.2], [3, 5], [2.4, 2.5], [0.00026, 0.0005], [9, 10]]) {

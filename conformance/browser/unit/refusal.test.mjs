@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { RATE, limitsInWords, refusalInWords } from "../../../crates/palpate-scope/page/refusal.js";
+import { RATE, limitsInWords, refusalInWords } from "../../../crates/palpate-live/page/refusal.js";
 
 test("a refusal has the label and the unit of its field, and none of the server's keys", () => {
   for (const [text, key, words] of [

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { readSamples } from "../../../crates/palpate-scope/page/protocol.js";
-import { Ring } from "../../../crates/palpate-scope/page/ring.js";
+import { readSamples } from "../../../crates/palpate-live/page/protocol.js";
+import { Ring } from "../../../crates/palpate-live/page/ring.js";
 import { frameOf } from "./frames.mjs";
 
 const frame = (times) => readSamples(frameOf({ times, rows: times.map((time) => [time, -time]) }), 2);

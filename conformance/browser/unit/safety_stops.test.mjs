@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { safetyStopInWords } from "../../../crates/palpate-scope/page/safety_stops.js";
+import { safetyStopInWords } from "../../../crates/palpate-live/page/safety_stops.js";
 
 const OSCILLATES = "held forces created energy: the contact oscillates";
 

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { forceText } from "../../../crates/palpate-scope/page/scene.js";
+import { forceText } from "../../../crates/palpate-live/page/scene.js";
 
 const ofTicks = (mean) => forceText({ least: mean - 1, greatest: mean + 1, mean, grouped: false });
 const ofGroups = (least, greatest) => forceText({ least, greatest, mean: NaN, grouped: true });

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Ring } from "../../../crates/palpate-scope/page/ring.js";
-import { createdWithin, seenInWords } from "../../../crates/palpate-scope/page/seen.js";
+import { Ring } from "../../../crates/palpate-live/page/ring.js";
+import { createdWithin, seenInWords } from "../../../crates/palpate-live/page/seen.js";
 
 /** A model of one rendering whose rows are 1 s apart, with these leaks [J]. */
 function modelOf(leaks) {

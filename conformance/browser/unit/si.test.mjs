@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { bytes, decimalsOf, digits, duration, prefixFor, quantity } from "../../../crates/palpate-scope/page/si.js";
+import { bytes, decimalsOf, digits, duration, prefixFor, quantity } from "../../../crates/palpate-live/page/si.js";
 
 test("a quantity has the prefix with which it reads best", () => {
   for (const [value, unit, text] of [

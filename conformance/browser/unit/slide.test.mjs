@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { slide } from "../../../crates/palpate-scope/page/slide.js";
+import { slide } from "../../../crates/palpate-live/page/slide.js";
 
 const LIMITS = [[10, 10_000], [0.005, 5], [0, 50], [-10, 10], [20, 4000], [-2, 10]];
 

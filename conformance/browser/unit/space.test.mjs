@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { across, outside } from "../../../crates/palpate-scope/page/space.js";
+import { across, outside } from "../../../crates/palpate-live/page/space.js";
 
 const HALF = 0.4;
 const plane = (normal) => ({ shape: { half_space: { normal, offset_m: 0 } }, orientation: [1, 0, 0, 0] });

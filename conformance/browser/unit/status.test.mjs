@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { aboutBuffer, counted, rate } from "../../../crates/palpate-scope/page/status.js";
-import { View } from "../../../crates/palpate-scope/page/view.js";
+import { aboutBuffer, counted, rate } from "../../../crates/palpate-live/page/status.js";
+import { View } from "../../../crates/palpate-live/page/view.js";
 
 const report = (ticks, atS) => ({ lanes: ticks.map((count, lane) => ({ ticks: count, t_s: atS[lane] })) });
 

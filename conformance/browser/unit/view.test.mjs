@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { View } from "../../../crates/palpate-scope/page/view.js";
+import { View } from "../../../crates/palpate-live/page/view.js";
 
 test("the edge follows what comes, without the bursts in which it comes", () => {
   const view = new View();

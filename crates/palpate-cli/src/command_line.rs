@@ -250,7 +250,7 @@ dimensions.
 
 Only this machine can look, and no page of another server. With --listen on another address whoever \
 has the printed token can look, and move the device. Ctrl-C ends it; whatever ends it, the device is \
-commanded no force. docs/scope.md has the rest.")]
+commanded no force. docs/live-view.md has the rest.")]
     #[command(after_help = "\
 Examples:
   palpate live

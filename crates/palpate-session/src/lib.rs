@@ -4,7 +4,7 @@
 //! [`drive`] runs a loop of `palpate_rt` to its end and reports losses meanwhile. [`RunReport`] describes a loop of
 //! `palpate_rt`, [`BenchReport`] the timing of a loop without a device, and [`MachineReport`] the real-time
 //! capabilities of the machine. [`DeviceList`] lists the devices that can be opened, and [`MotorsReport`] the wiring
-//! of a device's motors. [`Shaker`] shakes a device by the excitation of `palpate_calibrate`, through the safety
+//! of a device's motors. [`Shaker`] shakes a device by the excitation of `palpate_study::calibrate`, through the safety
 //! layer; [`Watched`] adds a supervisor. [`rendered`] creates the rendering of a world on its devices.
 //! [`RecordedWorld`] reads the world and the device paths from a recording. Reports are types like those of
 //! `palpate_study`: fields, a text, and a JSON whose schema is in `docs/schema` (feature `schema`).

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use palpate::AlongAxis;
-use palpate_calibrate::{ExcitationError, ExcitationParams, Phase, Stop};
+use palpate_study::calibrate::{ExcitationError, ExcitationParams, Phase, Stop};
 use palpate_device::clock::Clock;
 use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 use palpate_rt::StopFlag;

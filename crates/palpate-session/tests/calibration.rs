@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use palpate::AlongAxis;
-use palpate_calibrate::{Calibration, ExcitationParams, Quantity, measure};
+use palpate_study::calibrate::{Calibration, ExcitationParams, Quantity, measure};
 use palpate_device::Device;
 use palpate_device::clock::SteppedClock;
 use palpate_haply::inverse3::Pace;

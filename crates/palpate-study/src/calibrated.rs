@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use palpate::Transmission;
-use palpate_calibrate::{
+use crate::calibrate::{
     Calibration, Declined, ExcitationError, ExcitationParams, Phase, Quantity, Stop, measure,
 };
 use palpate_device::clock::SteppedClock;

@@ -3,8 +3,8 @@
 //! Each study takes scenes ([`palpate_scene`]) and methods, runs them on the bench of [`palpate_sim`], and returns
 //! the numbers. [`tune`] varies a method's damping, [`heights`] the start height, and [`sweep`] one quantity of a
 //! scene. [`suite`] evaluates methods on random plants. [`map`] computes which contacts can be rendered, and
-//! [`advise`] whether one device can render one contact. [`claims`] checks the numbers of the paper. [`calibrated`]
-//! calibrates the device of a scene, and [`hand_replay`] replays a recorded hand under another force.
+//! [`advise`] whether one device can render one contact. [`claims`] checks the numbers of the paper. [`calibrate`]
+//! measures the parameters of a device, [`calibrated`] calibrates the device of a scene, and [`hand_replay`] replays a recorded hand under another force.
 //!
 //! Reports are types: [`report::Report`] of runs, [`compare::Comparison`] of runs on several scenes, the reports of
 //! the studies (for example `tune::report`), [`recording::report`] of a recording, [`calibration`] of a calibration,
@@ -13,6 +13,7 @@
 //! (`schemars::JsonSchema`).
 
 pub mod advise;
+pub mod calibrate;
 pub mod calibrated;
 pub mod calibration;
 pub mod card;

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::Builder;
 use std::time::Duration;
 
-use palpate_calibrate::{ExcitationError, ExcitationParams, Phase, Stop};
+use palpate_study::calibrate::{ExcitationError, ExcitationParams, Phase, Stop};
 use palpate_rt::StopFlag;
 use palpate_study::calibration::ExcitedMotion;
 

@@ -1,7 +1,7 @@
 //! Converts flags and a device file to the actuation of a scene and the model values of its renderer.
 
 use palpate::{Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission};
-use palpate_calibrate::Quantity;
+use palpate_study::calibrate::Quantity;
 use palpate_scene::{Delay, Scene};
 
 use super::device_file::DeviceFile;

@@ -1,6 +1,6 @@
 //! Input of an advice.
 
-use palpate_calibrate::{Calibration, Quantity};
+use crate::calibrate::{Calibration, Quantity};
 use palpate_scene::Model;
 
 use crate::calibrated;
@@ -90,7 +90,7 @@ impl Question<'_> {
 
 #[cfg(test)]
 mod tests {
-    use palpate_calibrate::Known;
+    use crate::calibrate::Known;
 
     use super::*;
 

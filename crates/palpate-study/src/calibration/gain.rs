@@ -1,6 +1,6 @@
 //! Motor gain from a source other than the motion.
 
-use palpate_calibrate::{Calibration, Known};
+use crate::calibrate::{Calibration, Known};
 
 /// Source of the gain.
 #[derive(Debug, Clone, Copy)]

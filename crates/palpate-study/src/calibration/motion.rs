@@ -1,6 +1,6 @@
 //! A running excitation and its result: positions and forces, sample by sample.
 
-use palpate_calibrate::{Excitation, ExcitationError, ExcitationParams, Known, Phase};
+use crate::calibrate::{Excitation, ExcitationError, ExcitationParams, Known, Phase};
 
 /// Maximum relative deviation of the mean sampling time from the period. The relative error of the mass is twice as
 /// large.

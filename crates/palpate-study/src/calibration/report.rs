@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
-use palpate_calibrate::{Calibration, Quantity};
+use crate::calibrate::{Calibration, Quantity};
 use serde::Serialize;
 
 use crate::card::MotionCard;

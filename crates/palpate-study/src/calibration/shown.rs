@@ -1,6 +1,6 @@
 //! The part of a motion shown in reports and figures.
 
-use palpate_calibrate::Measured;
+use crate::calibrate::Measured;
 
 use super::motion::ExcitedMotion;
 use crate::card::MotionCard;

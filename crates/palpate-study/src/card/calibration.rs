@@ -1,6 +1,6 @@
 //! Calibration in a device report: the values of a device file, and the fit if its report is available.
 
-use palpate_calibrate::{Calibration, Quantity};
+use crate::calibrate::{Calibration, Quantity};
 use serde::{Deserialize, Serialize};
 
 /// Format of the readable calibration reports.

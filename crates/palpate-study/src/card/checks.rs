@@ -1,6 +1,6 @@
 //! Checks of a device and its loop, with a remedy for each warning.
 
-use palpate_calibrate::Quantity;
+use crate::calibrate::Quantity;
 use serde::Serialize;
 
 use super::ticks::Ticks;

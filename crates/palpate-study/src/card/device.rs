@@ -1,7 +1,7 @@
 //! The device of a device report: its name, and its known properties with their sources.
 
 use super::file_name;
-use palpate_calibrate::Quantity;
+use crate::calibrate::Quantity;
 use palpate_record::recording::Recording;
 use serde::Serialize;
 

@@ -13,7 +13,7 @@ mod text;
 mod ticks;
 mod timing;
 
-use palpate_calibrate::Calibration;
+use crate::calibrate::Calibration;
 use palpate_record::recording::{Recording, RecordingError};
 use palpate_scene::Model;
 use palpate_scene::method::MethodName;

@@ -7,7 +7,7 @@ use palpate_scene::{
     Timing, Transmission,
 };
 
-use palpate_calibrate::{ExcitationParams, Quantity};
+use crate::calibrate::{ExcitationParams, Quantity};
 
 use super::COLLISIONS;
 use super::chance::Chance;

@@ -4,7 +4,7 @@ mod arguments;
 
 pub use arguments::AdviseArguments;
 
-use palpate_calibrate::{Calibration, Quantity};
+use palpate_study::calibrate::{Calibration, Quantity};
 use palpate_plot::shown_of;
 use palpate_scene::SetupError;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT, Question};

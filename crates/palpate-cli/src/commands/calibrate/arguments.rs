@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{ArgGroup, Args, ValueHint};
-use palpate_calibrate::ExcitationParams;
+use palpate_study::calibrate::ExcitationParams;
 
 use crate::arguments::{Overwriting, PlotFlags};
 use crate::commands::run::RealtimeArguments;

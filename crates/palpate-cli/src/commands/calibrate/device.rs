@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::thread::Builder;
 
-use palpate_calibrate::ExcitationParams;
+use palpate_study::calibrate::ExcitationParams;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;

@@ -7,7 +7,7 @@ mod stream;
 use std::path::Path;
 use std::time::Instant;
 
-use palpate_calibrate::{Calibration, Measured, Quantity, measure};
+use palpate_study::calibrate::{Calibration, Measured, Quantity, measure};
 use palpate_record::files::bounded::DEVICE;
 use palpate_record::files::outputs::Outputs;
 

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use palpate_calibrate::ExcitationParams;
+use palpate_study::calibrate::ExcitationParams;
 use crate::pipe::{CalibratingError, Format, calibrate};
 use palpate_rt::StopFlag;
 use palpate_study::calibration::ExcitedMotion;

@@ -27,7 +27,7 @@ pub struct LiveArguments {
     #[arg(long, value_name = "s", default_value = "inf", value_parser = number)]
     pub duration: f64,
     /// Address of the page; port 0 selects any free port
-    #[arg(long, value_name = "ADDRESS:PORT", default_value_t = palpate_scope::DEFAULT_ADDRESS,
+    #[arg(long, value_name = "ADDRESS:PORT", default_value_t = palpate_live::DEFAULT_ADDRESS,
           value_parser = address, help_heading = "Page")]
     pub listen: SocketAddr,
     /// Additional host name of this server, besides localhost and addresses

@@ -2,7 +2,7 @@
 
 use palpate_device::clock::MonotonicClock;
 use palpate_scene::Scene;
-use palpate_scope::{Devices, Placed};
+use palpate_live::{Devices, Placed};
 use palpate_session::Guarding;
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use palpate_device::clock::MonotonicClock;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
-use palpate_scope::{Home, LaneEnd, Session, Setup, Written};
+use palpate_live::{Home, LaneEnd, Session, Setup, Written};
 use palpate_session::{RunReport, Subject, WatchdogReport};
 
 pub use arguments::LiveArguments;

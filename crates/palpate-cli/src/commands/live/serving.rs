@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use palpate_rt::{SetupError, StopFlag};
-use palpate_scope::{Home, ListenError, Listening, Server, Session, SessionError};
+use palpate_live::{Home, ListenError, Listening, Server, Session, SessionError};
 
 use super::LiveArguments;
 use crate::failure::{Failure, tell};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use palpate_device::clock::MonotonicClock;
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_scope::{Home, MAX_LANES, Session, WorldLane, WorldLaneEnd, WorldSetup};
+use palpate_live::{Home, MAX_LANES, Session, WorldLane, WorldLaneEnd, WorldSetup};
 use palpate_session::{Energies, NotRendered, RunReport, Subject, WatchdogReport, lacking_axes};
 use palpate_sim::device::SpatialHand;
 

@@ -6,7 +6,7 @@ mod session;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use palpate_calibrate::Calibration;
+use palpate_study::calibrate::Calibration;
 use palpate_record::files::bounded::DEVICE;
 use palpate_record::recording::Recording;
 use palpate_study::card::{

@@ -1,0 +1,119 @@
+//! The parameters of a fit as quantities of the device.
+
+use crate::calibrate::calibration::{Calibration, Known};
+use crate::calibrate::fit::Fit;
+use crate::calibrate::model::{self, at};
+use crate::calibrate::quantity::Quantity;
+
+/// Device parameters of a fit, in SI units.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The parameters.
+    pub calibration: Calibration,
+}
+
+const FIT: &str = "fit to the motion under random force steps";
+
+impl Fitted {
+    pub(crate) fn new(fit: &Fit, period: f64, quantum: Option<f64>) -> Self {
+        let mut calibration = Calibration::default();
+        let mut set = |quantity, value: f64, deviation, by: String| {
+            calibration.set(quantity, Known::found(value, deviation, by));
+        };
+        let (point, sd) = (&fit.point, &fit.deviation);
+        set(Quantity::Period, period, 0.0, "given".into());
+
+        let mass = (-point[at::LN_MOBILITY]).exp();
+        let of_mass = sd[at::LN_MOBILITY];
+        set(
+            Quantity::DeviceMass,
+            mass,
+            mass * of_mass,
+            format!(
+                "{FIT}: mass over gain, with gain 1; the part of the hand that moves with it is in it"
+            ),
+        );
+
+        let sum = point[at::DELAY_PLUS_LAG];
+        let of_sum = sd[at::DELAY_PLUS_LAG];
+        let lag = model::lag(point);
+        let of_square = sd[at::LAG_SQUARED];
+        // Neither exceeds the sum of both.
+        let of_lag = (of_square / (2.0 * lag.max(1e-9)))
+            .min(of_square.sqrt())
+            .min(sum);
+        let together =
+            "known better together with the other of delay and lag: see delay_plus_lag_s";
+        set(
+            Quantity::Delay,
+            (sum - lag) * period,
+            of_sum.hypot(of_lag) * period,
+            format!("{FIT}; {together}"),
+        );
+        set(
+            Quantity::Lag,
+            lag * period,
+            of_lag * period,
+            format!("{FIT}; {together}"),
+        );
+        set(
+            Quantity::DelayPlusLag,
+            sum * period,
+            of_sum * period,
+            FIT.into(),
+        );
+
+        // A force over the mass times the mass: both deviations count.
+        let mut force = |quantity, at: usize, by: &str| {
+            let value = point[at] * mass;
+            let deviation = (sd[at] * mass).hypot(value * of_mass);
+            set(quantity, value.max(0.0), deviation, format!("{FIT}{by}"));
+        };
+        force(
+            Quantity::ViscousFriction,
+            at::DAMPING,
+            ", in commanded newtons; the damping of the hand is in it",
+        );
+        force(
+            Quantity::CoulombFriction,
+            at::FRICTION,
+            ", in commanded newtons",
+        );
+        force(
+            Quantity::HandStiffness,
+            at::STIFFNESS,
+            ", in commanded newtons",
+        );
+
+        if fit.is_flexible() {
+            let fraction = fit.fraction();
+            let of_fraction = sd[at::LOGIT_FRACTION] * fraction * (1.0 - fraction);
+            let hertz = fit.resonance();
+            // ln f = ln f_alone - ln(1 - fraction) / 2.
+            let of_hertz =
+                hertz * sd[at::LN_ANTIRESONANCE].hypot(0.5 * of_fraction / (1.0 - fraction));
+            let by = format!("{FIT}; two masses explain it better than one");
+            set(Quantity::Resonance, hertz, of_hertz, by.clone());
+            let ratio = point[at::FLEXIBLE_DAMPING] / (1.0 - fraction).sqrt();
+            let of_ratio = sd[at::FLEXIBLE_DAMPING] / (1.0 - fraction).sqrt();
+            set(Quantity::ResonanceDampingRatio, ratio, of_ratio, by.clone());
+            set(Quantity::FlexibleMassFraction, fraction, of_fraction, by);
+        }
+
+        if let Some(quantum) = quantum {
+            set(
+                Quantity::SensorQuantum,
+                quantum,
+                1e-3 * quantum,
+                "least step between positions".into(),
+            );
+        }
+        set(
+            Quantity::SensorNoise,
+            fit.sensor_noise,
+            fit.sensor_noise / (2.0 * fit.count as f64).sqrt(),
+            format!("{FIT}: what is left that does not last"),
+        );
+        Self { calibration }
+    }
+}
