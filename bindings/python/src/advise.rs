@@ -143,7 +143,7 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> PyResult<B
         object_mass: arguments.mass,
     };
     let bounce = asked.bounce().ok_or_else(|| {
-        refused("device_mass is needed: there is no device file that has device_mass_kg")
+        refused("device_mass is missing: give it, or a device file with device_mass_kg")
     })?;
     let device = &bounce.device;
     above_zero("device_mass", device.mass, " kg")?;

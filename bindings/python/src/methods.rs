@@ -110,7 +110,7 @@ pub fn chosen_or_own(method: &Bound<'_, PyAny>) -> PyResult<Vec<Chosen>> {
         methods.push(method);
     }
     if methods.is_empty() {
-        return Err(refused("method names no method"));
+        return Err(refused("method is empty; name a method"));
     }
     Ok(methods)
 }
@@ -136,7 +136,7 @@ pub fn settings(given: &Bound<'_, PyDict>, methods: &[MethodName]) -> PyResult<S
             && let Some((second, other)) = said.find(|(second, _)| *second != first)
         {
             return Err(refused(format!(
-                "{name} means two things: of {one} {}, of {other} {}; name one of them with method",
+                "{name} has two meanings: for {one} {}, for {other} {}; select one with method",
                 first.help, second.help
             )));
         }

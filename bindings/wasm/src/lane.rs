@@ -66,7 +66,7 @@ impl Lane {
             .tapped(tap);
         let parameters = control
             .parameters()
-            .ok_or("the loop has given its parameters away")?;
+            .ok_or("the parameters of the loop are already in use")?;
         let period = rendering.loop_params.period;
         Ok(Self {
             control,
@@ -136,7 +136,7 @@ impl Lane {
             }
         }
         if unmodelled > 0 {
-            let text = format!("and {unmodelled} more at once");
+            let text = format!("{unmodelled} further events");
             notes.push(note(number, self.time(), "unmodelled", &text));
         }
         if self.control.safety_stop().is_none() {

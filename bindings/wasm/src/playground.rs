@@ -226,11 +226,11 @@ impl Playground {
             }),
             ClientMessage::Request(ClientRequest::Tool { .. }) => Err(Refused {
                 about: "tool",
-                why: "one contact has a hand along one axis".into(),
+                why: "the hand of a single contact moves along one axis only".into(),
             }),
             ClientMessage::Request(ClientRequest::Turn { .. }) => Err(Refused {
                 about: "turn",
-                why: "one contact turns nothing".into(),
+                why: "a single contact has no rotation".into(),
             }),
             ClientMessage::Refused(about, why) => Err(Refused { about, why }),
             ClientMessage::Unknown(why) => Err(Refused {

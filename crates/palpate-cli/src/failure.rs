@@ -145,7 +145,7 @@ impl Failure {
                 let messages: Vec<_> = faults.iter().map(|fault| fault.message.as_str()).collect();
                 messages.join("\n")
             }
-            Self::NotWhole => "a recording is not whole".to_owned(),
+            Self::NotWhole => "a recording is incomplete".to_owned(),
         }
     }
 

@@ -82,8 +82,8 @@ pub enum OpenError {
     Device(palpate_haply::two_diy::OpenError),
     /// The watchdog process could not be started.
     #[error(
-        "no watchdog: {0}. If this program is killed or stopped, only a watchdog takes the force off this device, which \
-         holds it"
+        "no watchdog: {0}. This device holds its last force: if this program is killed or stopped, only a watchdog \
+         sets it to 0"
     )]
     Watchdog(WatchdogError),
 }

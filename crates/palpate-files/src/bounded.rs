@@ -75,8 +75,7 @@ impl Limit {
         } else {
             format!("{bytes} bytes")
         };
-        let words =
-            format!("the file does not end within {length}, the most that is read of {kind}");
+        let words = format!("the file is longer than {length}, the limit for {kind}");
         io::Error::new(io::ErrorKind::FileTooLarge, words)
     }
 }

@@ -85,7 +85,7 @@ pub fn columns(text: &str) -> Result<Columns, String> {
                 .map(|near| format!("did you mean \"{near}\"? "))
                 .unwrap_or_default();
             return Err(format!(
-                "no column is called \"{name}\"; {nearest}the columns are {}",
+                "unknown column \"{name}\"; {nearest}the columns are {}",
                 all.join(", ")
             ));
         };

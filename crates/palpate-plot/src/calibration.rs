@@ -70,7 +70,7 @@ pub fn calibration(shown: &MotionCard, calibration: &Calibration) -> Figure {
     Figure {
         title: finding(calibration),
         subtitle:
-            "Positions under random force steps, and each as the fit foresees it from those before"
+            "Positions under random force steps, and their predictions by the fit from earlier samples"
                 .into(),
         ..motion(shown)
     }

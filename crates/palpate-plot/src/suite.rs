@@ -70,8 +70,8 @@ pub fn suite(
         title: finding(set, columns, drawn, scores),
         subtitle: format!("{} random plants{of_set}, {of_seeds}", trials(scores, 0, 0).count()),
         footnote: Some(
-            "Share of the plants on which E, the error of the mean force of each period, is at most so large: \
-             the further left, the better. Errors above 1000 % are not drawn."
+            "Share of the plants on which E, the error of the mean force of each period, is at most this large: \
+             further left is better. Errors above 1000 % are not drawn."
                 .into(),
         ),
         x_label: "mean-force error E [%]".into(),

@@ -243,7 +243,7 @@ fn a_guardian_that_cannot_be_started_is_an_error_that_says_so() {
     };
     for (program, words) in [
         ("/there/is/no/watchdog", "cannot be started"),
-        ("true", "has started and does not answer"),
+        ("true", "has started but does not answer"),
     ] {
         let account = Arc::new(WatchdogAccount::default());
         let command = std::process::Command::new(program);

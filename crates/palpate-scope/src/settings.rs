@@ -140,7 +140,7 @@ impl Settings {
                 if let Some(value) = lane.damping_n_s_per_m {
                     if !lane.method.uses(SettingKey::DAMPING) {
                         return Err(format!(
-                            "{} takes no damping; allowed: none (null)",
+                            "{} has no damping; allowed: null",
                             lane.method.name()
                         ));
                     }
@@ -420,7 +420,7 @@ mod tests {
         assert_eq!(refused(lanes(&[]), 2), "0 lanes; allowed: 1 or 2");
         assert_eq!(
             refused(lanes(&[(MethodName::Basic, Some(1.0))]), 2),
-            "basic takes no damping; allowed: none (null)"
+            "basic has no damping; allowed: null"
         );
         assert_eq!(
             refused(lanes(&[(MethodName::Hfcr, Some(-1.0))]), 2),

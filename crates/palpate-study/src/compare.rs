@@ -275,7 +275,7 @@ impl fmt::Display for Comparison {
             "method",
             "E %",
             "FRE %",
-            "FRE/floor",
+            "FRE/bound",
             "peak/ideal",
             "|leak| mJ",
         ];
@@ -333,12 +333,11 @@ impl fmt::Display for Comparison {
             }
         }
         let marks = format!(
-            "{LEAST} least E of those that held together, {BROKEN} diverged, left the safety box or jammed."
+            "{LEAST} least E of the bounded runs, {BROKEN} diverged, left the safety box or jammed."
         );
         writeln!(f, "\n{}", wrapped(&marks))?;
         writeln!(f, "{}", legend(&[E, FRE, ABSOLUTE_LEAK]))?;
-        let settings = "Without a setting in the scene a method has its default; see --json for every \
-                        parameter.";
+        let settings = "A method without a setting in the scene uses its default; --json lists every parameter.";
         writeln!(f, "{}", wrapped(settings))?;
         for file in &self.files {
             writeln!(f, "wrote {file}")?;

@@ -124,7 +124,7 @@ pub enum SweepError {
     #[error("column {0}: its method has no damping to vary")]
     NoDamping(String),
     /// A column has several dampings.
-    #[error("column {0}: a choice of dampings has no place here; name one")]
+    #[error("column {0}: several dampings are not allowed here; name one")]
     Choice(String),
     /// The quantity cannot have this value.
     #[error("{name} {value}: it must be {allowed}")]

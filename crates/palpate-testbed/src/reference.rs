@@ -58,7 +58,7 @@ pub enum ReferenceError {
     NoCollisions,
     /// The search found too few collisions.
     #[error(
-        "collisions = {asked} is not allowed; allowed: as many as there are within {LONGEST_SEARCH} periods"
+        "collisions = {asked} is not allowed; allowed: at most the number within {LONGEST_SEARCH} periods"
     )]
     TooFewCollisions {
         /// Requested number of collisions.

@@ -32,14 +32,12 @@ pub enum HullError {
     Flat,
     /// Too many corners.
     #[error(
-        "the hull has more than {0} corners, and at most {0} are taken; give fewer points, let it leave out points that are further \
-         outside, or take the corners that stand out most, as a scene does without `within_m`"
+        "the hull has more than {0} corners, and at most {0} are allowed; give fewer points, increase the tolerance, \
+         or leave out `within_m`, so that a scene keeps the most prominent corners"
     )]
     TooMany(usize),
     /// The tolerance is not a length.
-    #[error(
-        "the hull may leave points out that are {0} m outside of it; this has to be at least 0 m"
-    )]
+    #[error("the tolerance of the hull is {0} m, and has to be at least 0 m")]
     Within(f64),
     /// The triangulation of the surface is invalid: some corners nearly coincide.
     #[error("the triangles of the hull's surface: {0}")]

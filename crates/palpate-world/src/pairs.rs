@@ -231,10 +231,10 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     WorldField::Shape,
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
-                        "there is no contact of {} with {} yet: they can touch along an edge where no corner is. A mesh may \
-                         touch a sphere, a tool of several and a half-space; with a shell of points also a box, hull, \
-                         capsule or cylinder, and a mesh with a distance grid. Give one of them another shape, such as a hull, \
-                         or leave the pair without a law",
+                        "there is no contact of {} with {} yet: edges can touch away from corners. A mesh can touch a \
+                         sphere, a tool of several spheres and a half-space; with a shell of points also a box, hull, \
+                         capsule, cylinder, and a mesh with a distance grid. Change one of the shapes, for example to \
+                         a hull, or remove the law of the pair",
                         one.words(),
                         other.words()
                     ),
@@ -300,12 +300,12 @@ struct Touching {
 fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> WorldError {
     let why = match reason {
         NoHull::TooMany => format!(
-            "the convex hull around it has more than {MAX_POINTS} corners, and it touches a half-space by these; give it \
-             a shell of points (`shell = {{ points = 60 }}` in its mesh), make it a hull (`hull` in place of `mesh`), or leave the \
-             pair without a law"
+            "its convex hull has more than {MAX_POINTS} corners, its contact points with a half-space; give it a shell \
+             of points (`shell = {{ points = 60 }}` in its mesh), make it a hull (`hull` instead of `mesh`), or remove \
+             the law of the pair"
         ),
         NoHull::Flat | NoHull::Broken => {
-            "all of it lies in a plane or nearly so, and has no convex hull by whose corners it could touch a half-space"
+            "it is flat or nearly flat, so it has no convex hull whose corners could touch a half-space"
                 .into()
         }
     };

@@ -163,8 +163,8 @@ pub fn open(
         }
         "simulated-in-world" | "pointer-in-world" => {
             return Err(refused(
-                "device is of a World, and a Renderer renders one contact; render a World on it, or take a Pointer or a \
-                 Simulated of a Scene",
+                "device is for a World, but a Renderer renders one contact; use a World, or a Pointer or a Simulated \
+                 of a Scene",
             ));
         }
         other => return Err(refused(format!("there is no device \"{other}\""))),
@@ -212,7 +212,7 @@ impl Placed {
     fn axis(&self, device: &Capabilities, usual: Axis) -> PyResult<AlongAxis<f64, 3>> {
         if self.world_axes.is_some() {
             return Err(refused(
-                "world_axes is for a World; the contact of a Renderer lies along normal",
+                "world_axes is for a World; for a Renderer, give normal",
             ));
         }
         palpate_devices::axis(

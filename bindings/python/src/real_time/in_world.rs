@@ -221,7 +221,7 @@ impl Standing {
     fn check(&self) -> PyResult<()> {
         if self.normal.is_some() {
             return Err(refused(
-                "normal is for a Renderer; how a device stands in a World is said by world_axes",
+                "normal is for a Renderer; for a World, give world_axes",
             ));
         }
         Ok(())
@@ -255,7 +255,7 @@ fn axes(words: &[String]) -> PyResult<Vec<WorldAxis>> {
         let number = ["x", "y", "z"].iter().position(|name| *name == letter);
         let along = WorldAxis::along(number.ok_or_else(|| {
             refused(format!(
-                "world_axes names \"{word}\", but must name x, y and z, with - where the device's axis points the other way"
+                "world_axes names \"{word}\", but must name x, y and z, with - for a reversed axis"
             ))
         })?);
         Ok(if letter == word {

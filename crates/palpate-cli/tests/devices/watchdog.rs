@@ -34,10 +34,10 @@ const STOOD_STILL: [&str; 7] = [
     "the device is gone",
     "device-lost",
     "error: no answer",
-    "error: what came back is no answer",
-    "error: device 5 has answered, but not with one whole answer",
+    "error: invalid answer",
+    "error: device 5 sent no complete answer",
     "error: the first angles",
-    "its process has started and does not answer",
+    "its process has started but does not answer",
 ];
 
 /// In the middle of the workspace, 7 mm in a wall.
@@ -342,8 +342,8 @@ fn a_loop_that_has_lost_its_guardian_gives_no_force_and_says_how() {
         (
             19,
             "not-listening",
-            "the watchdog is there and does not listen",
-            "the watchdog is there and does not listen",
+            "the watchdog does not respond",
+            "the watchdog does not respond",
         ),
     ] {
         // If the machine stalls for a second, the loop gives up the board before it misses the watchdog process. A

@@ -143,7 +143,7 @@ impl Device for SteppedTwoDiy {
                 angles = Some(heard);
             }
         }
-        let angles = angles.ok_or(nothing("the board gave no answer"))?;
+        let angles = angles.ok_or(nothing("the board did not answer"))?;
         let radians = angles.map(|angle| f64::from(angle).to_radians());
         self.pose = self.layout.geometry.pose(radians).ok();
         let pose = self.pose.as_ref().ok_or(nothing("the arm has no pose"))?;

@@ -19,10 +19,10 @@ pub enum Unfit {
     #[error("it is not ready: wait until its light is steady, or restart the service")]
     NotReady,
     /// Another program commands the device, and forces of two programs add up.
-    #[error("another program commands it: end that one first")]
+    #[error("another program commands it: end that program first")]
     InUse,
     /// A device model with unknown limits.
-    #[error("it is no Inverse3, and its limits are not known here")]
+    #[error("it is not an Inverse3; its limits are unknown")]
     OtherModel,
 }
 
@@ -60,11 +60,11 @@ impl Unfit {
     pub fn text(self) -> &'static str {
         match self {
             Self::NoPower => "the Inverse3 lost the power of its motors",
-            Self::NotStarted => "the service no longer talks to the Inverse3",
+            Self::NotStarted => "the service has stopped the Inverse3",
             Self::NotCalibrated => "the Inverse3 is no longer calibrated",
             Self::NotReady => "the Inverse3 is no longer ready",
             Self::InUse => "another program commands the Inverse3",
-            Self::OtherModel => "the device is no Inverse3",
+            Self::OtherModel => "the device is not an Inverse3",
         }
     }
 }

@@ -358,7 +358,7 @@ fn a_board_whose_encoders_slip_is_not_gone_and_says_so() {
         }
         let error = error.unwrap();
         assert_eq!(error.kind, DeviceErrorKind::Refused);
-        assert!(error.what.contains("slipped"), "{}", error.what);
+        assert!(error.what.contains("lost counts"), "{}", error.what);
         // Missing answers do not make the device gone before one second has passed.
         for _ in 0..GONE_AFTER_READS {
             played.reads([START[0] - 60.0, START[1]]).unwrap_err();
@@ -476,7 +476,7 @@ fn a_guardian_that_does_not_listen_is_told_from_one_that_has_ended() {
         let _ = played.reads(START);
     };
     assert_eq!(refused, unguarded(Unguarded::NotListening));
-    assert!(refused.what.contains("does not listen"), "{refused}");
+    assert!(refused.what.contains("does not respond"), "{refused}");
 }
 
 fn state_of_none(played: &Played) -> [u8; STATE_LENGTH] {

@@ -112,12 +112,12 @@ fn what_is_wrong_is_named() {
         (
             "/cursor_position/z",
             json!(2.1),
-            "device 049D: state.cursor_position is 2.1; believed: within 2 m",
+            "device 049D: state.cursor_position is 2.1; allowed: within 2 m",
         ),
         (
             "/cursor_velocity/x",
             json!(-51),
-            "device 049D: state.cursor_velocity is -51; believed: within 50 m/s",
+            "device 049D: state.cursor_velocity is -51; allowed: within 50 m/s",
         ),
         (
             "/control_mode",
@@ -135,7 +135,7 @@ fn what_is_wrong_is_named() {
     );
     let said = wrong("/inverse3", json!({ "049D": {} }));
     assert!(
-        said.contains("interface of 3.0") && said.contains("10001"),
+        said.contains("interface 3.0") && said.contains("10001"),
         "{said}"
     );
 }

@@ -233,7 +233,7 @@ fn what_stays_ends_the_run_with_its_reason_and_it_can_be_run_again() {
         (Some(Fault::Disconnect), "connection"),
         (Some(Fault::HalfBytes), "connection"),
         (Some(Fault::Close), "has closed the connection"),
-        (None, "no longer has the device"),
+        (None, "no longer lists the device"),
     ] {
         emulator.set_present(ID, true);
         let run = Run::on(&emulator);

@@ -185,7 +185,7 @@ fn encoders_that_lose_count_end_the_force_until_somebody_looks() {
         "{:?}",
         ran.notes
     );
-    assert!(ran.said("jumped and stay"), "{:?}", ran.notes);
+    assert!(ran.said("jumped for good"), "{:?}", ran.notes);
     ran.no_force_after_two_periods("slip");
     assert_eq!(ran.ticks.last().unwrap().contact.force_on_device, 0.0);
 }

@@ -45,7 +45,7 @@ const BEGINNINGS: (f64, f64) = (8.0, 4.0);
 const REACH: f64 = 1.0;
 
 /// ServerMessage of a request that would begin the loops again too soon.
-const TOO_OFTEN: &str = "the loops begin anew too often; allowed: 4 times each second";
+const TOO_OFTEN: &str = "restarts are too frequent; allowed: 4 per second";
 
 /// Command to the session.
 #[derive(Clone, Debug)]
@@ -170,9 +170,11 @@ impl Turns for Running {
             ClientRequest::Hand(target) => ("hand", self.lead(client, target)),
             ClientRequest::Tool { .. } => (
                 "tool",
-                Err("one contact is led by `hand`, with one number".to_owned()),
+                Err("one contact needs `hand`, with one number".to_owned()),
             ),
-            ClientRequest::Turn { .. } => ("turn", Err("one contact turns nothing".to_owned())),
+            ClientRequest::Turn { .. } => {
+                ("turn", Err("one contact has no orientation".to_owned()))
+            }
             ClientRequest::Set(set) => ("set", self.set(&set)),
             ClientRequest::Restart => ("restart", self.restart_if_allowed()),
             ClientRequest::Rearm(lane) => ("rearm", self.rearm(lane)),
@@ -225,7 +227,7 @@ impl Turns for Running {
             // The code that stops a loop sends its own message.
             let is_over = |end: &&lane::Ended| end.ending != LoopEnding::Stopped;
             if has_ended && let Some(end) = lane.end().filter(is_over) {
-                let mut text = format!("lane {}: {}", index + 1, end.ending.text());
+                let mut text = format!("rendering {}: {}", index + 1, end.ending.text());
                 if let Some(words) = &end.panic {
                     text = format!("{text}: {words}");
                 }
@@ -292,7 +294,7 @@ impl Running {
                 continue;
             };
             if *unmodelled > 0 && pace.take(Instant::now()) {
-                let text = format!("and {unmodelled} more, which recordings have");
+                let text = format!("{unmodelled} further events are in recordings only");
                 *unmodelled = 0;
                 let note = ServerMessage::Note {
                     lane: index,
@@ -308,8 +310,7 @@ impl Running {
     fn lead(&mut self, client: ClientId, target: Option<f64>) -> Result<(), String> {
         let Some(hand) = &self.setup.hand else {
             return Err(
-                "this device is in a hand of its own; only the device `pointer` is led \
-                        by a page"
+                "this device has its own hand; only the device `pointer` is moved from a page"
                     .to_owned(),
             );
         };

@@ -131,7 +131,7 @@ pub enum WorldBenchError {
     Ideal(#[from] IdealError),
     /// The window has more periods than are run.
     #[error(
-        "the window has {0} periods, and at most 1e6 are run: shorten `duration_s`, or the motion that is rendered"
+        "the window has {0} periods, and at most 1e6 are allowed: shorten `duration_s` or the rendered motion"
     )]
     TooLong(f64),
     /// The run and its ideal do not fit.

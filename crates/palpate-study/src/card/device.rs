@@ -119,7 +119,7 @@ impl DeviceCard {
         let model_value = |key: &'static str| {
             let metadata = first?;
             let value = *model(metadata.recording).get(key)?;
-            metadata.said(key, value, "what the renderer was told in")
+            metadata.said(key, value, "the renderer's model in")
         };
         let scene = first.and_then(|metadata| scene_of(metadata.recording).ok());
         let scene = scene.map(|file| file.scene);

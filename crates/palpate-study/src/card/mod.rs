@@ -113,7 +113,7 @@ pub enum CardError {
     Recording(#[from] RecordingError),
     /// The recordings are of different devices.
     #[error(
-        "{first} is of the device `{of_first}`, and {other} of `{of_other}`; a report is of one device"
+        "{first} is from the device `{of_first}`, but {other} is from `{of_other}`; a report covers one device"
     )]
     SeveralDevices {
         /// The first recording.
@@ -126,7 +126,7 @@ pub enum CardError {
         of_other: String,
     },
     /// The map cannot be computed with the properties of the device.
-    #[error("what can be rendered cannot be computed with the numbers of this device: {0}")]
+    #[error("the renderable contacts cannot be computed with the values of this device: {0}")]
     Reach(#[from] BounceError),
 }
 
@@ -184,7 +184,7 @@ impl Card {
                 Err(why) => no_contact.push(why),
             }
         }
-        begins("what can be rendered");
+        begins("renderable contacts");
         let step = || progress(CardProgress::Step);
         let reach = ReachCard::of(&device, &deviations, stiffness, sources.methods, step)?;
         let mut card = Self {

@@ -310,7 +310,7 @@ impl fmt::Display for WorldComparison {
             "method",
             "E %",
             "FRE %",
-            "FRE/floor",
+            "FRE/bound",
             "peak/ideal",
             "leak mJ",
         ];
@@ -374,8 +374,8 @@ impl fmt::Display for WorldComparison {
             }
         }
         let marks = format!(
-            "{LEAST} least E, {BROKEN} refused samples or ran away. Best of N: the scene has no setting, so N were \
-             tried and the one of the least E was taken, with knowledge of the ideal."
+            "{LEAST} least E, {BROKEN} refused samples or diverged. Best of N: the scene has no setting; of N tried \
+             settings, the one with the least E was selected, with knowledge of the ideal."
         );
         writeln!(f, "\n{}", wrapped(&marks))?;
         writeln!(f, "{}", legend(&[E, FRE]))?;

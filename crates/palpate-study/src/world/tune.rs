@@ -276,7 +276,7 @@ impl fmt::Display for WorldTuneReport {
         writeln!(f, "{}\n", whole(&table))?;
         if self.best.refused_samples > 0 {
             let words = format!(
-                "With every setting the renderer refuses samples, the best one {}: it asks for no force there.",
+                "The renderer refuses samples with every setting, with the best one {}; its force is 0 there.",
                 counted(self.best.refused_samples as u64, "sample")
             );
             writeln!(f, "{}", wrapped(&words))?;
@@ -293,7 +293,7 @@ impl fmt::Display for WorldTuneReport {
             }
         };
         let best = format!(
-            "Best: of the least {}, found with knowledge of the ideal, on this scene as it is.{end} In [render] of the scene:",
+            "Best: least {}, selected with knowledge of the ideal, on this scene only.{end} In [render] of the scene:",
             self.least
         );
         writeln!(f, "{}", wrapped(&best))?;
@@ -318,14 +318,15 @@ impl WorldTuneReport {
 pub(super) fn none_found(count: usize, best: &WorldPointReport) -> String {
     let least = match (best.refused_samples, best.mean_force_error_percent) {
         (0, Some(error)) => format!("the least E is {} %", percent(error)),
-        (0, None) => "every one ran away".into(),
+        (0, None) => "all diverged".into(),
         (refused, _) => format!(
-            "the renderer refuses samples with every one, at least {}",
+            "the renderer refuses samples with every setting, at least {}",
             counted(refused, "sample")
         ),
     };
     format!(
-        "no setting found: of {count} that were tried none comes nearer to the ideal than no force, E {NO_FORCE_PERCENT} %; {least}, with {}",
+        "no setting found: none of the {count} tried is nearer to the ideal than zero force, E {NO_FORCE_PERCENT} %; \
+         {least}, with {}",
         best.settings.in_short()
     )
 }

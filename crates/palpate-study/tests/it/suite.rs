@@ -326,11 +326,11 @@ method = \"hfcr\"
     );
     for (text, message) in [
         ("", "there is no column"),
-        ("a = 1", "column a: a column is a table"),
+        ("a = 1", "column a: a column must be a table"),
         ("[a]", "column a: it needs a method"),
         (
             "[a]\nmethod = 1",
-            "column a: its method is a name in quotes",
+            "column a: its method must be a name in quotes",
         ),
         ("[a]\nmethod = \"hfrc\"", "did you mean \"hfcr\"?"),
         (
@@ -348,15 +348,15 @@ method = \"hfcr\"
         ),
         (
             "[a]\nmethod = \"hfcr\"\ndamping_over_k_t = []",
-            "damping_over_k_t is one number or a list of them, finite and not below 0",
+            "damping_over_k_t must be a number or a list of numbers, finite and not below 0",
         ),
         (
             "[a]\nmethod = \"hfcr\"\ndamping_n_s_per_m = [1, -2]",
-            "damping_n_s_per_m is one number or a list of them, finite and not below 0",
+            "damping_n_s_per_m must be a number or a list of numbers, finite and not below 0",
         ),
         (
             "[a]\nmethod = \"hfcr\"\ndamping_n_s_per_m = 1\ndamping_over_k_t = 1",
-            "damping_n_s_per_m and damping_over_k_t are both its damping; one of them is needed",
+            "damping_n_s_per_m and damping_over_k_t both set its damping; keep one of them",
         ),
         (
             "[a]\nmethod = \"hfcr\"\nguard = { mod = \"limit\" }",

@@ -24,7 +24,7 @@ use crate::profile::ForceProfile;
 
 /// A record that does not have the length its window asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("the record has {given} entries, its window asks for {expected}")]
+#[error("the record has {given} entries, but its window has {expected}")]
 pub struct WindowMismatch {
     /// Entries given.
     pub given: usize,

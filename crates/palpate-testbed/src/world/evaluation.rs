@@ -100,7 +100,7 @@ pub struct RenderedTouch {
 #[non_exhaustive]
 pub enum EvaluationError {
     /// Not one record of forces for each device.
-    #[error("there are forces of {given} devices, and the ideal has {expected}")]
+    #[error("the record has forces of {given} devices, but the ideal has {expected}")]
     Devices {
         /// Records given.
         given: usize,

@@ -62,8 +62,8 @@ impl HeldTurning {
             return Err(InvalidParameter {
                 name: "turning",
                 value: rate,
-                allowed: "at most 32000 rad/s: the damping of the hand over the least moment of inertia, and 2.2 times the \
-                          root of its stiffness over that; a larger inertia or a softer hand",
+                allowed: "at most 32000 rad/s: hand.damping / I + 2.2 sqrt(hand.stiffness / I), with the least moment \
+                          of inertia I; increase the inertia or soften the hand",
             });
         }
         Actuator::new(actuator)?;

@@ -109,7 +109,7 @@ impl WorldIdeal {
             grid.start() == 0.0,
             "grid.start".to_owned(),
             grid.start(),
-            "0 s, where the scene begins",
+            "0 s, the start of the scene",
         )?;
         let mut run = Run::new(&system, tolerance);
         let mut devices = vec![DeviceProfile::default(); scene.devices.len()];

@@ -52,7 +52,7 @@ impl MassTable {
             all_finite("mass_table.places", along)?;
             let increases = !along.is_empty() && along.windows(2).all(|pair| pair[0] < pair[1]);
             let first = along.first().copied().unwrap_or(f64::NAN);
-            let allowed = "at least one place along each axis, and each after the one before";
+            let allowed = "at least one place along each axis, in increasing order";
             InvalidParameter::unless(increases, "mass_table.places".to_owned(), first, allowed)?;
         }
         let count = places.iter().map(Vec::len).product::<usize>();

@@ -494,7 +494,7 @@ impl WorldBody {
             !matches!(self.shape, Shape::HalfSpace { .. }),
             format!("{name}.motion"),
             motion.mass,
-            "none, for a half-space is fixed",
+            "none, because a half-space is fixed",
         )?;
         above_zero(&format!("{name}.motion.mass"), &[motion.mass])?;
         above_zero(&format!("{name}.motion.inertia"), &motion.inertia)?;

@@ -257,7 +257,7 @@ fn forces_that_do_not_fit_are_refused_and_bad_ones_are_infinite() {
     let error = WorldEvaluation::of(&scene(), &ideal, &held[..1]).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "there are forces of 1 devices, and the ideal has 2"
+        "the record has forces of 1 devices, but the ideal has 2"
     );
     let mut held = means(&ideal);
     held[0][3] = [f64::NAN, 0.0, 0.0];

@@ -87,8 +87,8 @@ pub enum InvalidGrid {
     },
     /// The grid would need too much memory.
     #[error(
-        "a spacing of {spacing} m makes {nodes:.3e} nodes, and at most {most} are taken; the least spacing for this mesh \
-         is about {least:.3e} m", most = DistanceGrid::MAX_NODES
+        "a spacing of {spacing} m gives {nodes:.3e} nodes, and at most {most} are allowed; the least spacing for this \
+         mesh is about {least:.3e} m", most = DistanceGrid::MAX_NODES
     )]
     Fine {
         /// Spacing `[m]`.

@@ -39,7 +39,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     outputs.spare_inputs()?;
     if let (Some((path, _)), Some((contact, _))) = (worlds.first(), files.first()) {
         return Err(Failure::Arguments(format!(
-            "{} is a world and {} is one contact: they have other methods, so compare them in two tables",
+            "{} is a world and {} is one contact: their methods differ, so compare them in two tables",
             path.display(),
             contact.display()
         )));

@@ -73,7 +73,7 @@ impl SuiteArguments {
         })?;
         if self.seeds > 1 && self.write_scenes.is_some() {
             return Err(Failure::Arguments(
-                "--write-scenes: the files are named by the plants of one seed; leave out --seeds"
+                "--write-scenes: the files are named after the plants of one seed; omit --seeds"
                     .into(),
             ));
         }
