@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Finds circles of files in a crate, by their `use` lines.
+"""Finds dependency cycles of the files of a crate, by their `use` lines.
 
-    scripts/circles.py [FOLDER...]    exit code 1 if there is one; without a FOLDER, crates/palpate-cli/src
+    scripts/circles.py [FOLDER...]    exit code 1 if there is a cycle; without a FOLDER, crates/palpate-cli/src
 
-A file depends on the file that defines what it uses: a name that another module only hands on (`pub use`) counts for
-the file that it comes from, and the `pub use` lines of a `mod.rs` count for nothing. Tests inside a file are left out.
+A file depends on the files that define the names that it uses. A re-exported name (`pub use`) counts for the file that
+defines it, and the `pub use` lines of a `mod.rs` do not count. Tests inside a file are ignored.
 """
 
 import re
@@ -15,7 +15,7 @@ USE = re.compile(r"\b(pub(?:\([a-z]+\))? )?use ([^;]+);")
 
 
 def modules(folder):
-    """The text of each file, by the path of its module."""
+    """Returns the text of each file, by the path of its module."""
     found = {}
     for path in folder.rglob("*.rs"):
         parts = path.relative_to(folder).with_suffix("").parts
@@ -28,7 +28,7 @@ def modules(folder):
 
 
 def expand(tree):
-    """The paths of a `use` tree, without their new names."""
+    """Returns the paths of a `use` tree, without aliases."""
     tree = tree.strip()
     if "{" not in tree:
         return [tree.split(" as ")[0].strip()]
@@ -44,7 +44,7 @@ def expand(tree):
 
 
 def absolute(known, module, path):
-    """A path from the root of the crate; none of another crate."""
+    """Returns a path from the root of the crate; None for a path of another crate."""
     names = path.split("::")
     if names[0] == "crate":
         return tuple(names[1:])
@@ -58,7 +58,7 @@ def absolute(known, module, path):
 
 
 def arrows(known):
-    """Which modules each module depends on."""
+    """Returns the dependencies of each module."""
     used, handed_on = {}, {}
     for module, (name, text) in known.items():
         used[module] = set()
@@ -81,7 +81,7 @@ def arrows(known):
 
 
 def circles(depends):
-    """The sets of modules that depend on each other, directly or not."""
+    """Returns the sets of modules that depend on each other, directly or indirectly."""
     reached = {}
     for module in depends:
         reached[module], waiting = set(), [module]

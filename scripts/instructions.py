@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Counts the instructions of one tick, by method and class, and compares them with the table.
 
-    scripts/instructions.py            fail if a tick costs more than the table says
-    scripts/instructions.py --update   write the table anew
+    scripts/instructions.py            fail if a tick costs more than in the table
+    scripts/instructions.py --update   write a new table
 
 Valgrind counts, so the numbers do not depend on the machine's speed or load; they do depend on the
 compiler and its target. A count may exceed its row by 5 % and 5 instructions.
@@ -63,7 +63,7 @@ def count(program):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--update", action="store_true", help="write the table anew")
+    parser.add_argument("--update", action="store_true", help="write a new table")
     update = parser.parse_args().update
     counts = count(build())
 
@@ -77,7 +77,7 @@ def main():
         rows = csv.DictReader(file)
         table = {(r["method"], r["class"]): float(r["instructions_per_tick"]) for r in rows}
 
-    failures = [f"{name} is not measured any more" for name in table.keys() - counts.keys()]
+    failures = [f"{name} is no longer measured" for name in table.keys() - counts.keys()]
     print(f"{'instructions per tick':28}{'now':>8}{'table':>8}")
     for name, value in counts.items():
         stated = table.get(name)
@@ -85,7 +85,7 @@ def main():
         if stated is None:
             failures.append(f"{name} is not in the table")
         elif value > 1.05 * stated + 5:
-            failures.append(f"{name} takes {value:.1f} instructions, the table says {stated}")
+            failures.append(f"{name} takes {value:.1f} instructions, but {stated} in the table")
     for failure in failures:
         print(f"FAILED: {failure}", file=sys.stderr)
     sys.exit(bool(failures))

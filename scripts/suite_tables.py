@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Prints the tables of docs/suite.md for the sets with real actuators, from the program itself.
+"""Computes the tables of docs/suite.md for the sets with real actuators.
 
     cargo build --release && python3 scripts/suite_tables.py [--plants 200] [--seed 1] [--seeds 7] [--sets desk,real]
 
-A cell is E in percent: median / 90 % / largest; with several seeds the median and the range over the seeds of the first two.
+A cell is E in percent: median / 90 % / largest; for several seeds median and 90 %, each as the median over the seeds
+with its range.
 """
 import argparse
 import json

@@ -35,7 +35,7 @@ export class Device {
     const label = document.createElement("label");
     label.className = "check";
     label.append(this.cut, "cut off a contact that creates energy");
-    label.title = "As palpate live does, where a real device would shake a real hand";
+    label.title = "As palpate live does, because a real device would shake the hand";
     this.root.replaceChildren(this.root.querySelector("legend"), this.mass.root, this.delay.root, label);
   }
 

@@ -68,7 +68,7 @@ export function read(text) {
     } else if (key === "methods") {
       methods = value.split(",");
       if (methods.length > 2 || methods.some((name) => !/^[a-z0-9-]+$/.test(name))) {
-        faults.push(`methods is “${value}”, and has to be one or two names with a comma between them`);
+        faults.push(`methods is “${value}”, and has to be one or two names separated by a comma`);
         methods = null;
       }
     } else if (key === "damping_n_s_per_m") {
@@ -85,7 +85,7 @@ export function read(text) {
     } else if (key === "world") {
       world = value;
     } else {
-      faults.push(`“${key}” is no setting`);
+      faults.push(`“${key}” is not a setting`);
     }
   }
   if (world === null && methods) {

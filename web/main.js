@@ -79,7 +79,7 @@ async function sceneNamed(name) {
   if (!scenes.has(name)) {
     const response = await fetch(new URL(`scenes/${name}.toml`, import.meta.url));
     if (!response.ok) {
-      throw new Error(`there is no scene “${name}” here`);
+      throw new Error(`unknown scene “${name}”`);
     }
     scenes.set(name, await response.text());
   }
@@ -102,7 +102,7 @@ const loop = new Loop({
     globalThis.palpate.pace = report;
   },
   failed(why) {
-    banners.show("failed", `The loop has ended: ${why}. Load the page again.`);
+    banners.show("failed", `The loop has ended: ${why}. Reload the page.`);
     connection("lost", "ended");
   },
 });
@@ -114,7 +114,7 @@ function send(message) {
 /** Opens the contents of a link. */
 async function open(link) {
   wanted = link;
-  banners.show("link", link.faults.length > 0 ? `Of the link not understood: ${link.faults.join("; ")}.` : null);
+  banners.show("link", link.faults.length > 0 ? `Invalid in the link: ${link.faults.join("; ")}.` : null);
   try {
     if (link.world === null) {
       show("contact");
@@ -217,7 +217,7 @@ function hold() {
 function tellStop() {
   connection(stopped ? "held" : "live", stopped ? "stopped" : "running");
   place("stop").setAttribute("aria-pressed", String(stopped));
-  place("stop").textContent = stopped ? "Go on" : "Stop";
+  place("stop").textContent = stopped ? "Resume" : "Stop";
 }
 
 /** Updates the view for another time span. */
@@ -333,7 +333,7 @@ place("copy").addEventListener("click", async () => {
     button.textContent = "Copied";
   } catch {
     // Without clipboard permission the address bar contains the link.
-    button.textContent = "It is in the address bar";
+    button.textContent = "See the address bar";
   }
   setTimeout(() => (button.textContent = "Copy link"), 2000);
 });
@@ -374,7 +374,7 @@ addEventListener("hashchange", () => {
 document.addEventListener("visibilitychange", () => {
   if (document.hidden) {
     loop.stop();
-    connection("held", "stands still while it is hidden");
+    connection("held", "paused while hidden");
   } else if (!stopped && seen !== null) {
     goOn();
   }

@@ -20,13 +20,13 @@ export const PRESETS = [
   {
     id: "light",
     name: "Light cube, 50 Hz",
-    about: "50 g that lie on the device, at 50 Hz. The plain spring keeps giving the cube energy: it never comes to rest.",
+    about: "A 50 g cube on the device, at 50 Hz. The plain spring keeps creating energy: the cube never comes to rest.",
     settings: { mass_kg: 0.05, virtual_force_n: -0.4905, stiffness_n_per_m: 200, period_s: 0.02 },
   },
   {
     id: "late",
     name: "Late by 5 ms",
-    about: "Each force begins 5 ms after its sample, at 500 Hz. The plain spring does not know; coupled rendering is told.",
+    about: "Forces begin 5 ms after their sample, at 500 Hz. The plain spring ignores it; coupled rendering models it.",
     settings: { mass_kg: 0.1, virtual_force_n: -0.981, period_s: 0.002, delay_s: 0.005, stiffness_n_per_m: 2000 },
   },
   {

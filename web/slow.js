@@ -23,8 +23,8 @@ export class TooSlow {
       return null;
     }
     return (
-      `This machine is too slow for these settings: simulated time goes at ${digits(ratio, 2)} of real time. ` +
-      "What is shown is slower than it would be, but computed for the rate that is set. A lower rate or one method needs less."
+      `This machine is too slow for these settings: simulated time runs at ${digits(ratio, 2)} of real time. ` +
+      "The display is slower than real time, but computed for the rate that is set. Use a lower rate or one method."
     );
   }
 }

@@ -70,7 +70,7 @@ export async function startLive(...args) {
      */
     async endsWell(signal) {
       const code = await this.end(signal);
-      const isStopped = code === 5 && /\b[1-9]\d* deadlines missed/.test(said) && /\nerror: .*safety had the motors off/.test(said);
+      const isStopped = code === 5 && /\b[1-9]\d* deadlines missed/.test(said) && /\nerror: .*the safety layer kept the motors off/.test(said);
       assert.ok(code === 0 || isStopped, `it ended with ${code}: ${said}`);
     },
     forget() {

@@ -148,7 +148,7 @@ impl LoopParams {
         };
         let recorded = self.device_mass == f64::INFINITY;
         if self.device_mass.is_nan() || self.device_mass < 0.0 {
-            let words = "greater than 0, or 0 where it is not known";
+            let words = "greater than 0, or 0 if unknown";
             return Err(refused(Parameter::DeviceMass, self.device_mass, words));
         }
         if !(self.encoder_quantum.is_finite() && self.encoder_quantum >= 0.0) {

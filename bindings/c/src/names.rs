@@ -106,7 +106,7 @@ mod tests {
             Core::Overflow,
         ];
         for fault in of_core {
-            let own = Fault::of(Some(fault));
+            let own = Fault::new(Some(fault));
             assert_ne!(own, Fault::Other);
             assert_eq!(own.name().to_str(), Ok(fault.name()));
         }

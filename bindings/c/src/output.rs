@@ -56,7 +56,7 @@ pub enum Fault {
 impl Fault {
     /// Converts a fault of the core.
     #[inline]
-    pub(crate) fn of(fault: Option<CoreFault>) -> Self {
+    pub(crate) fn new(fault: Option<CoreFault>) -> Self {
         match fault {
             None => Self::None,
             Some(CoreFault::PositionNotFinite) => Self::PositionNotFinite,
@@ -178,7 +178,7 @@ impl<S: Number> From<CoreOutput<S>> for Output<S> {
                 CorePhase::Leaves => Phase::Leaves,
                 CorePhase::Waiting => Phase::Waiting,
             },
-            fault: Fault::of(output.fault),
+            fault: Fault::new(output.fault),
             limited: bits(output.limited),
             reserved: 0,
         }

@@ -179,7 +179,7 @@ impl fmt::Display for Refusal<'_> {
             ),
             Self::StructSize { name, given, known } => write!(
                 f,
-                "struct_size of {name} is {given}, of which this library knows {known}; what is beyond \
+                "struct_size of {name} is {given}, but this library knows {known} bytes; the bytes beyond \
                  must be 0"
             ),
             Self::Parameter(error) => error.fmt(f),
@@ -245,10 +245,11 @@ impl fmt::Display for Refusal<'_> {
             #[cfg(feature = "worlds")]
             Self::NotOneDevice(count) => write!(
                 f,
-                "the world has {count} devices, but a recording has one: palpate_recorder_of_device records each in a file of its own"
+                "the world has {count} devices, but a recording has one: palpate_recorder_of_device records each in a \
+                 separate file"
             ),
             #[cfg(feature = "worlds")]
-            Self::Array { name, count } => write!(f, "{name} is no array of {count} elements"),
+            Self::Array { name, count } => write!(f, "{name} is not an array of {count} elements"),
             #[cfg(feature = "worlds")]
             Self::Index { name, given, count } => {
                 write!(f, "{name} is {given}, but must be less than {count}")

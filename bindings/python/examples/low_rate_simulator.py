@@ -1,8 +1,8 @@
-"""An engine at 60 Hz has a ball; a loop at 1 kHz renders it to a hand, which pushes it away.
+"""A loop at 1 kHz renders a ball of an engine at 60 Hz; the hand pushes the ball away.
 
     python low_rate_simulator.py
 
-The device is simulated, and this program leads its hand. `Ball` is what a physics engine does.
+The device is simulated, and this program moves its hand. `Ball` stands for a physics engine.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ TOOL = 0.01
 
 
 class Ball:
-    """A ball that nothing but the tool moves."""
+    """Ball that only the tool moves."""
 
     MASS, RADIUS = 0.1, 0.03
 
@@ -26,7 +26,7 @@ class Ball:
         self.place, self.velocity = np.array([0.045, 0.0, 0.0]), np.zeros(3)
 
     def step(self, wrench: np.ndarray, h: float) -> None:
-        """A step of `h` [s] under a force that is held."""
+        """Advances the ball by `h` [s] under a held wrench."""
         acceleration = wrench[:3] / self.MASS
         self.place = self.place + h * self.velocity + 0.5 * h * h * acceleration
         self.velocity = self.velocity + h * acceleration
@@ -37,13 +37,13 @@ class Ball:
         return body_row(self.place, [1, 0, 0, 0], self.velocity, [0, 0, 0], [0, 0, 0], [0, 0, 0], mobility)
 
     def contact(self, tool: np.ndarray) -> SlowContact:
-        """Where the tool may touch the ball: at its point nearest to the tool."""
+        """Returns the potential contact of the tool: the point of the ball nearest to the tool."""
         normal = (tool - self.place) / np.linalg.norm(tool - self.place)
         return SlowContact(self.place + self.RADIUS * normal, normal, stiffness=1500.0, on=0, curvature=1 / self.RADIUS)
 
 
 def device() -> palpate.devices.PointerInWorld:
-    """A device of 0.25 kg at the origin; a real one needs no world."""
+    """Creates a device of 0.25 kg at the origin; a real device needs no world."""
     tool = {"name": "tool", "mass_kg": 0.25, "tool": {"sphere": {"radius_m": TOOL}}}
     floor = {"name": "floor", "fixed": True, "shape": {"half_space": {"normal": [0, 0, 1], "offset_m": -1.0}}}
     contact = {"between": ["tool", "floor"], "stiffness_n_per_m": 1500.0}
@@ -66,7 +66,7 @@ def main() -> Ball:
             host.publish(now, [ball.row()], [ball.contact(now.position)])
             before = now
             time.sleep(1 / RATE)
-    print(f"the ball has got {1e3 * before.impulses[0].linear[0]:.1f} mN s, and moves at {ball.velocity[0]:.2f} m/s")
+    print(f"impulse on the ball {1e3 * before.impulses[0].linear[0]:.1f} mN s, velocity {ball.velocity[0]:.2f} m/s")
     return ball
 
 

@@ -1,10 +1,10 @@
-"""A door on a hinge, a box on a floor, and a hand that pushes both with one finger, in MuJoCo without a window.
+"""A door on a hinge, a box on a floor, and one finger that pushes both, in MuJoCo without a window.
 
     pip install palpate[mujoco]
     python mujoco_headless.py
 
-The finger's contacts are palpate's, hinge and floor are MuJoCo's. At the end the program says what the door and the
-box were given, what the device gave, and what energy the held force gave to the hand beyond the contacts' work.
+palpate renders the contacts of the finger; MuJoCo simulates hinge and floor. At the end the program prints the motion
+of door and box, the impulse of the device, and the energy that the held force generated beyond the contacts' work.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ MODEL = """
 
 
 def main(seconds: float = 1.5) -> dict[str, float]:
-    """Pushes for so long [s], and says what came of it."""
+    """Pushes for `seconds` [s] and returns the results."""
     model = mujoco.MjModel.from_xml_string(MODEL)
     data = mujoco.MjData(model)
     period = 0.002
@@ -52,8 +52,8 @@ def main(seconds: float = 1.5) -> dict[str, float]:
     ledger, _ = contact.ledger
     return {
         "angle of the door [rad]": float(data.joint("hinge").qpos[0]),
-        "way of the box along y [m]": float(data.body("box").xpos[1] - 0.1),
-        "impulse given by the device along y [N s]": given,
+        "displacement of the box along y [m]": float(data.body("box").xpos[1] - 0.1),
+        "impulse of the device along y [N s]": given,
         "energy beyond the contacts' work [J]": sum(entry.leak for entry in ledger),
         "largest force now [N]": float(np.abs(force).max()),
     }

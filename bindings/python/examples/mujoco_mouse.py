@@ -1,11 +1,11 @@
-"""MuJoCo's window, in which the mouse is a hand that holds a simulated device.
+"""MuJoCo's window with a simulated device, which the mouse holds like a hand.
 
     pip install palpate[mujoco]
     python mujoco_mouse.py              # on macOS: mjpython mujoco_mouse.py
 
 Double-click the yellow ball, which is the tool, then drag it with Ctrl and the right mouse button: a spring pulls the
-device to where the mouse is. What the tool touches is palpate's, at 500 Hz; everything else is MuJoCo's. The window says
-the force on the device.
+device to the mouse position. palpate renders the contacts of the tool at 500 Hz; MuJoCo simulates everything else. The
+window shows the force on the device.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ PERIOD = 0.002
 
 
 def set_up() -> tuple[mujoco.MjModel, mujoco.MjData, Contact, SimulatedDevice]:
-    """The scene, its contacts, and the device in the hand."""
+    """Creates the scene, its contacts, and the device in the hand."""
     model = mujoco.MjModel.from_xml_string(MODEL)
     data = mujoco.MjData(model)
     contact = Contact(
@@ -57,7 +57,7 @@ def set_up() -> tuple[mujoco.MjModel, mujoco.MjData, Contact, SimulatedDevice]:
 
 
 def drive(viewer: Any, model: mujoco.MjModel, data: mujoco.MjData, contact: Contact, device: SimulatedDevice) -> None:
-    """Lets the mouse move the device until the window is closed, at the speed of the clock."""
+    """Moves the device with the mouse in real time until the window is closed."""
     hand = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "hand")
     frame, due = 1 / 60, time.perf_counter()
     while viewer.is_running():

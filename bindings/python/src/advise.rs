@@ -1,9 +1,9 @@
 //! `advise`: contacts that can be rendered on a device.
 
 use palpate::MethodName;
-use palpate_study::calibrate::Calibration;
 use palpate_scene::SetupError;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT, Question};
+use palpate_study::calibrate::Calibration;
 use palpate_study::map::{Bounce, BounceError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -43,7 +43,7 @@ pub fn advise(
     arguments: &Bound<'_, PyDict>,
 ) -> PyResult<(String, String)> {
     let methods = chosen(method)?;
-    let asked = Asked::of(&read(arguments)?)?;
+    let asked = Asked::new(&read(arguments)?)?;
     let advised = interruptible(py, move |stop| {
         let advice = asked.advice(&methods, stop)?;
         Ok((palpate_study::json(&advice), advice.to_string()))
@@ -59,7 +59,7 @@ pub fn advice_figure(
     arguments: &Bound<'_, PyDict>,
 ) -> PyResult<String> {
     let methods = chosen(method)?;
-    let asked = Asked::of(&read(arguments)?)?;
+    let asked = Asked::new(&read(arguments)?)?;
     let threads = threads()?;
     let figure = interruptible(py, move |stop| {
         let advice = asked.advice(&methods, stop)?;
@@ -79,7 +79,7 @@ struct Asked {
 }
 
 impl Asked {
-    fn of(arguments: &AdviseArguments) -> PyResult<Self> {
+    fn new(arguments: &AdviseArguments) -> PyResult<Self> {
         let file = arguments.device_file.as_ref().map(parse).transpose()?;
         Ok(Self {
             bounce: bounce(arguments, file.as_ref())?,
@@ -143,7 +143,7 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> PyResult<B
         object_mass: arguments.mass,
     };
     let bounce = asked.bounce().ok_or_else(|| {
-        refused("device_mass is needed: there is no device file that has device_mass_kg")
+        refused("device_mass is missing: give it, or a device file with device_mass_kg")
     })?;
     let device = &bounce.device;
     above_zero("device_mass", device.mass, " kg")?;

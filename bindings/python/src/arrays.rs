@@ -18,6 +18,6 @@ pub fn rows<'a>(name: &str, array: &'a PyReadonlyArray2<'_, f64>) -> PyResult<Ar
         return Ok(array.as_array());
     }
     Err(refused(format!(
-        "{name} does not lie in memory as numbers of 64 bits do; give numpy.require({name}, float, [\"C\", \"A\"])"
+        "{name} is not aligned in memory as 64-bit numbers; give numpy.require({name}, float, [\"C\", \"A\"])"
     )))
 }

@@ -99,7 +99,7 @@ pub fn report(
             methods: &methods,
             made: utc(SystemTime::now()),
         };
-        let card = threads.install(|| Card::of(&of, |_| stop.leave_if_raised()));
+        let card = threads.install(|| Card::new(&of, |_| stop.leave_if_raised()));
         let card = card.map_err(Wrong::Card)?;
         let page = palpate_plot::card::html(&card).map_err(|error| {
             Wrong::Page(format!("a figure of the page cannot be drawn: {error}"))

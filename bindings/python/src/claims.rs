@@ -33,7 +33,7 @@ pub fn claims(py: Python<'_>) -> PyResult<(String, String)> {
         .collect();
     let scenes: [Scene; 6] = scenes?
         .try_into()
-        .map_err(|_| refused("there is not one scene for each text"))?;
+        .map_err(|_| refused("the scenes do not match the texts"))?;
     let checked = interruptible(py, move |stop| {
         let [fig2, experiment1, experiment2, fig4, fig5, fig5_box] = &scenes;
         let scenes = PaperScenes {

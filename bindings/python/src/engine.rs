@@ -240,9 +240,7 @@ impl EngineContact {
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         above_zero("h", h, " s")?;
         if self.sampled.is_none() {
-            return Err(refused(
-                "there is no sample to meet the bodies at: sample() comes first",
-            ));
+            return Err(refused("there is no sample: call sample() before meet()"));
         }
         let bodies = arrays::rows("bodies", &bodies)?;
         if bodies.shape() != [self.bodies, BODY] {
@@ -267,9 +265,7 @@ impl EngineContact {
     /// Ends the period and returns one force row per device.
     fn answer<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let Some(Sampled { positions, elapsed }) = self.sampled.take() else {
-            return Err(refused(
-                "there is no sample to answer: sample() comes first",
-            ));
+            return Err(refused("there is no sample: call sample() before hold()"));
         };
         let output = self.renderer.hold(&mut self.state);
         let (fault, effort, limited) = (output.fault, output.effort, output.limited);

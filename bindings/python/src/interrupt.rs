@@ -26,7 +26,7 @@ impl Stop {
     /// Unwinds the thread of the work without a message if the work is cancelled.
     pub fn leave_if_raised(&self) {
         if self.is_raised() {
-            resume_unwind(Box::new("nobody waits for this work any more"));
+            resume_unwind(Box::new("the work is cancelled"));
         }
     }
 }
@@ -49,7 +49,7 @@ pub fn interruptible<T: Send + 'static>(
             // Sending fails only after the wait has ended.
             let _ = sender.send(work(&seen));
         })
-        .map_err(|error| PyOSError::new_err(format!("no thread to work in: {error}")))?;
+        .map_err(|error| PyOSError::new_err(format!("cannot start a thread: {error}")))?;
     loop {
         let (back, received) = py.detach(|| {
             let received = done.recv_timeout(LOOK_EVERY);
@@ -59,7 +59,7 @@ pub fn interruptible<T: Send + 'static>(
             Ok(result) => return Ok(result),
             Err(RecvTimeoutError::Disconnected) => {
                 let fault =
-                    "the work ended by a fault of palpate; its message is on standard error";
+                    "the work panicked, a defect in palpate; its message is on standard error";
                 return Err(PyRuntimeError::new_err(fault));
             }
             Err(RecvTimeoutError::Timeout) => {

@@ -85,7 +85,7 @@ pub fn chosen_or_own(method: &Bound<'_, PyAny>) -> PyResult<Vec<Chosen>> {
         };
     }
     if method.is_callable() {
-        return Ok(vec![Chosen::Own(OwnMethod::of(method)?)]);
+        return Ok(vec![Chosen::Own(OwnMethod::new(method)?)]);
     }
     let mut methods: Vec<Chosen> = Vec::new();
     let no_method = |given: &Bound<'_, PyAny>| {
@@ -99,7 +99,7 @@ pub fn chosen_or_own(method: &Bound<'_, PyAny>) -> PyResult<Vec<Chosen>> {
     for item in method.try_iter().map_err(|_| no_method(method))? {
         let item = item?;
         let method = if item.is_callable() {
-            Chosen::Own(OwnMethod::of(&item)?)
+            Chosen::Own(OwnMethod::new(&item)?)
         } else {
             let name: String = item.extract().map_err(|_| no_method(method))?;
             Chosen::BuiltIn(named(&name)?)
@@ -110,7 +110,7 @@ pub fn chosen_or_own(method: &Bound<'_, PyAny>) -> PyResult<Vec<Chosen>> {
         methods.push(method);
     }
     if methods.is_empty() {
-        return Err(refused("method names no method"));
+        return Err(refused("method is empty; name a method"));
     }
     Ok(methods)
 }
@@ -136,7 +136,7 @@ pub fn settings(given: &Bound<'_, PyDict>, methods: &[MethodName]) -> PyResult<S
             && let Some((second, other)) = said.find(|(second, _)| *second != first)
         {
             return Err(refused(format!(
-                "{name} means two things: of {one} {}, of {other} {}; name one of them with method",
+                "{name} has two meanings: for {one} {}, for {other} {}; select one with method",
                 first.help, second.help
             )));
         }

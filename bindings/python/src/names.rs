@@ -100,8 +100,8 @@ fn wrong_settings(error: &SettingsError) -> PyErr {
                 "method=\"hfcr\""
             };
             refused(format!(
-                "{method} needs device_mass [kg]: what your device weighs where it is held, above 0 and \
-                 right within a factor of 2; or {without}, which needs none"
+                "{method} needs device_mass [kg]: the effective mass of the device, above 0 and accurate \
+                 within a factor of 2; or {without}, which needs none"
             ))
         }
         SettingsError::OnlyBeside {

@@ -46,7 +46,7 @@ thread_local! {
 
 impl OwnMethod {
     /// Creates the method of a `function`, with the function's name.
-    pub fn of(function: &Bound<'_, PyAny>) -> PyResult<Self> {
+    pub fn new(function: &Bound<'_, PyAny>) -> PyResult<Self> {
         let name: String = match function.getattr("__name__") {
             Ok(name) => name.extract()?,
             Err(_) => function.get_type().name()?.to_string(),
@@ -155,11 +155,10 @@ impl Called {
         force.ok_or_else(|| {
             let said = answer
                 .repr()
-                .map_or_else(|_| "no number".into(), |said| said.to_string());
+                .map_or_else(|_| "an unprintable value".into(), |said| said.to_string());
             let name = self.name;
-            let message = format!(
-                "{name} answered {said}, but must answer with a finite number: a force [N]"
-            );
+            let message =
+                format!("{name} returned {said}, but must return a finite number: a force [N]");
             if answer.extract::<f64>().is_ok() {
                 refused(message)
             } else {

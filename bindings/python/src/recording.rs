@@ -49,7 +49,7 @@ pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
                 Entry::Tick(tick, contacts, bodies, devices) => {
                     of_bodies.extend(bodies.iter().flat_map(body));
                     of_devices.extend(devices.iter().flat_map(device));
-                    for row in Row::of(tick, &contacts) {
+                    for row in Row::new(tick, &contacts) {
                         words.extend(columns().iter().map(|column| word(column.value(&row))));
                     }
                 }

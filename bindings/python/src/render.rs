@@ -83,7 +83,7 @@ type Given<'py> = (
 
 impl MotionToRender {
     /// Checks the arguments.
-    fn of(
+    fn new(
         (t, x, title, unit, time_unit, left_out): &Given<'_>,
         method: &Bound<'_, PyAny>,
         parameters: &Bound<'_, PyDict>,
@@ -150,7 +150,7 @@ pub fn render<'py>(
     parameters: &Bound<'py, PyDict>,
     settings_given: &Bound<'py, PyDict>,
 ) -> PyResult<RenderedInPython<'py>> {
-    let motion = MotionToRender::of(&motion, method, parameters, settings_given)?;
+    let motion = MotionToRender::new(&motion, method, parameters, settings_given)?;
     let covers = RecordedMotion::new(
         &motion.times,
         motion.setup.loop_params.period,
@@ -185,7 +185,7 @@ pub fn render_figure(
     parameters: &Bound<'_, PyDict>,
     settings_given: &Bound<'_, PyDict>,
 ) -> PyResult<String> {
-    let motion = MotionToRender::of(&motion, method, parameters, settings_given)?;
+    let motion = MotionToRender::new(&motion, method, parameters, settings_given)?;
     let figure = interruptible(py, move |stop| {
         motion.rendered(stop, |title, _, replay, runs| {
             of_runs(title, replay.reference(), &runs, Devices::Recorded)
@@ -224,10 +224,10 @@ fn check_times(times: &[f64]) -> PyResult<()> {
         Some(spacing) => {
             let take = spacing.likely_unit().map_or_else(
                 || "; ".to_owned(),
-                |unit| format!(" time_unit=\"{unit}\" takes it so, and "),
+                |unit| format!(" If so, pass time_unit=\"{unit}\"; "),
             );
             Err(refused(format!(
-                "{spacing}{take}time_unit=\"s\" says that seconds are right"
+                "{spacing}{take}if the times are in seconds, pass time_unit=\"s\""
             )))
         }
     }
@@ -305,8 +305,8 @@ pub fn read_trace<'py>(
         warn(
             py,
             &format!(
-                "{name}: the last line has no line end, so that its last number, {number}, may be cut off; end the file \
-                 with a line end if it is whole"
+                "{name}: the last line has no line end, so its last number, {number}, may be cut off; if the file is \
+                 complete, end it with a line end"
             ),
         )?;
     }
@@ -328,7 +328,7 @@ fn check_motion(times: &[f64], positions: &[f64]) -> PyResult<()> {
     match motion.excess() {
         None => Ok(()),
         Some(excess) => Err(refused(format!(
-            "{excess} unit=\"{}\" takes it so, and unit=\"m\" says that metres are right",
+            "{excess} If so, pass unit=\"{}\"; if the positions are in metres, pass unit=\"m\"",
             excess.likely_unit()
         ))),
     }

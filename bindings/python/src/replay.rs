@@ -90,7 +90,7 @@ impl Changes {
         }
         if self.guard.is_none() && (self.guard_speed.is_some() || self.guard_allowance.is_some()) {
             return Err(refused(
-                "guard_speed and guard_allowance are of a guard; name it with guard",
+                "guard_speed and guard_allowance need a guard; give guard",
             ));
         }
         Ok(())
@@ -131,7 +131,7 @@ impl Changes {
         scene.model_device_mass = self.model_device_mass.or(scene.model_device_mass);
         if let Some(given) = self.device_mass {
             let mass = scene.device.mass_mut().ok_or_else(|| {
-                refused("device_mass: a recorded hand has moved a device whose mass it states")
+                refused("device_mass cannot change: the recorded hand has the mass of its device")
             })?;
             *mass = given;
         }
@@ -226,7 +226,7 @@ impl OfARecording {
         )))
     }
 
-    fn of(&self) -> PyResult<ReplayOf> {
+    fn new(&self) -> PyResult<ReplayOf> {
         let stated = StatedHand {
             bandwidth: self.hand_bandwidth,
             stiffness: self.hand_stiffness,
@@ -245,7 +245,7 @@ impl OfARecording {
                     .find_map(|(name, value)| value.map(|_| name));
                 given.map_or(Ok(ReplayOf::Motion), |name| {
                     Err(refused(format!(
-                        "{name} is for replay=\"hand\"; a motion is replayed as it was"
+                        "{name} is for replay=\"hand\"; replay=\"motion\" has no hand model"
                     )))
                 })
             }
@@ -270,7 +270,7 @@ struct Replaying {
 
 impl Replaying {
     /// Checks the arguments against an open recording.
-    fn of(
+    fn new(
         recording: Recording,
         method: Option<&Bound<'_, PyAny>>,
         (of, changes, settings_given): Given<'_, '_>,
@@ -343,10 +343,10 @@ impl Replaying {
                 ) => wrong_on_bench(&error),
                 HandReplayError::Loop(_, error) => refused(format!("{name}: {error}")),
                 HandReplayError::OutOfReach { model, departure } => refused(format!(
-                    "{name}: held by a hand of {} N/m and {} N s/m, the device would leave the recorded motion by \
-                     {} m under the new force, even were that ideal, and no arm reaches farther than {REACH} m; \
-                     allowed: a hand that holds on (hand_stiffness={}, hand_damping={} unless you say otherwise), \
-                     and contact, weight and device_mass that it can hold",
+                    "{name}: held by a hand of {} N/m and {} N s/m, the device leaves the recorded motion by {} m \
+                     even under the ideal force, farther than an arm reaches ({REACH} m); use a stiffer hand \
+                     (default: hand_stiffness={}, hand_damping={}), or a contact, weight and device_mass that it \
+                     can hold",
                     model.stiffness,
                     model.damping,
                     digits(departure),
@@ -382,7 +382,7 @@ impl Replaying {
         let beyond = beyond_reach.iter().map(|(method, departure)| {
             format!(
                 "{method}: the device leaves the recorded motion by {} m, farther than an arm reaches ({REACH} m); \
-                 what stands in its row is no answer of a hand",
+                 the values in its row are not those of a hand",
                 digits(*departure)
             )
         });
@@ -410,7 +410,7 @@ fn wrong_ticks(error: TicksError) -> PyErr {
     match error {
         TicksError::Recording(error) => unread(error),
         TicksError::Part { name, ticks, ends } => refused(format!(
-            "{name}: the part that begin and end name has {ticks}, but needs at least 2{ends}"
+            "{name}: the part between begin and end has {ticks}, but needs at least 2{ends}"
         )),
         TicksError::Gap {
             name,
@@ -418,12 +418,12 @@ fn wrong_ticks(error: TicksError) -> PyErr {
             to,
             longest,
         } => refused(format!(
-            "{name}: no position between tick {} at {} s and tick {} at {} s; a hand is estimated across {longest} s \
-             at most: state a longer largest_gap, or replay the motion with replay=\"motion\"",
+            "{name}: no position between tick {} at {} s and tick {} at {} s; a hand is estimated across at most \
+             {longest} s: pass a longer largest_gap, or replay the motion with replay=\"motion\"",
             from.0, from.1, to.0, to.1
         )),
         TicksError::NoForce(name) => refused(format!(
-            "{name}: no tick says which force was sent, so what the hand did cannot be told from what the motor did; \
+            "{name}: no tick contains the sent force, so the hand's force cannot be separated from the motor's; \
              replay=\"motion\" needs no force"
         )),
         other => refused(other),
@@ -462,7 +462,7 @@ pub fn replay<'py>(
         let (evaluated, warnings) = replay_world(py, recording, method)?;
         return Ok((None, Some(evaluated), warnings));
     }
-    let replaying = Replaying::of(recording, method, given)?;
+    let replaying = Replaying::new(recording, method, given)?;
     let (rendered, warnings) = interruptible(py, move |stop| match replaying.run(stop) {
         Ok(replayed) => {
             let ideal = of_ideal(&replayed.reference);
@@ -487,7 +487,7 @@ pub fn replay_figure(
     settings_given: &Bound<'_, PyDict>,
 ) -> PyResult<String> {
     let recording = open(py, path)?;
-    let replaying = Replaying::of(recording, method, (of, changes, settings_given))?;
+    let replaying = Replaying::new(recording, method, (of, changes, settings_given))?;
     interruptible(py, move |stop| {
         let ReplayedRecording {
             title,
@@ -516,7 +516,7 @@ fn only_a_method(recording: &Recording, (of, changes, settings): Given<'_, '_>) 
         let is_default = value.is_none() || (name == "replay" && value.eq("motion")?);
         if !is_default {
             return Err(refused(format!(
-                "{name}: {} is a recording of a world, which says all of that in its file; beside it stands method",
+                "{name}: {} is a recording of a world, whose file has all parameters; only method can be given",
                 recording.path().display()
             )));
         }

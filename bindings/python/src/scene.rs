@@ -232,7 +232,7 @@ fn value(given: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<Value>
         // The first names of the path identify the location.
         let place: Vec<_> = place.split('.').take(4).collect();
         return Err(refused(format!(
-            "{} has tables or lists in each other more than {DEEPEST} deep, as where one contains itself",
+            "{} has tables or lists nested more than {DEEPEST} deep, for example one that contains itself",
             place.join(".")
         )));
     }

@@ -104,7 +104,7 @@ pub fn check_delay(setup: &ReplaySetup) -> PyResult<()> {
     let periods = samples as f64 + fraction;
     if periods > LARGEST_DELAY as f64 {
         return Err(refused(format!(
-            "delay is {periods} periods, and a renderer can be told of {LARGEST_DELAY} at most"
+            "delay is {periods} periods, but must be at most {LARGEST_DELAY}"
         )));
     }
     Ok(())

@@ -60,7 +60,7 @@ pub fn simulate<'py>(
                 })?,
             });
         }
-        let mut report = Report::new(&Subject::of(scene), bench.reference(), &runs);
+        let mut report = Report::new(&Subject::new(scene), bench.reference(), &runs);
         report.actuated(actuator_of(scene));
         let ideal = of_ideal(bench.reference());
         Ok::<_, Wrong>(Rendered::of(&report, ideal, runs))
@@ -128,14 +128,14 @@ pub fn compare(
                     Err(error) => return Err(wrong(method, error)),
                 });
             }
-            rows.push(SceneRows::of(
+            rows.push(SceneRows::new(
                 name,
-                &Subject::of(&scene),
+                &Subject::new(&scene),
                 bench.reference(),
                 outcomes,
             ));
         }
-        let comparison = Comparison::of(rows);
+        let comparison = Comparison::new(rows);
         Ok(comparison)
     })?;
     let comparison =

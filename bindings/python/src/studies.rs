@@ -30,7 +30,7 @@ pub type Shown = (String, String, String);
 pub fn threads() -> PyResult<ThreadPool> {
     ThreadPoolBuilder::new()
         .build()
-        .map_err(|error| PyRuntimeError::new_err(format!("no threads to work in: {error}")))
+        .map_err(|error| PyRuntimeError::new_err(format!("cannot start threads: {error}")))
 }
 
 /// Evaluates a method at values of its damping `[N s/m]`, by default at `steps` standard values.
@@ -46,7 +46,7 @@ pub fn tune(
     let own: Scene = scene.get().scene().clone();
     let methods = method.map_or_else(|| Ok(vec![own.method]), chosen)?;
     let &[method] = methods.as_slice() else {
-        return Err(refused("tune looks at one method; name it with method"));
+        return Err(refused("tune evaluates one method; name it with method"));
     };
     let setting = tuning::tunable(method).ok_or_else(|| {
         refused(format!(
@@ -63,7 +63,7 @@ pub fn tune(
             ))
         })?;
     let values = match values {
-        Some(values) if values.is_empty() => return Err(refused("values has no value")),
+        Some(values) if values.is_empty() => return Err(refused("values is empty")),
         Some(values) => values,
         None if steps < 2 => {
             return Err(refused(format!("steps is {steps}, but must be 2 or more")));
@@ -102,7 +102,7 @@ pub fn heights(
             "model_mass_factor is {model_mass_factor}, but must be finite and greater than 0"
         )));
     }
-    let columns: Vec<_> = chosen(method)?.into_iter().map(Column::of).collect();
+    let columns: Vec<_> = chosen(method)?.into_iter().map(Column::new).collect();
     let evaluated: Vec<Scene> = scenes
         .iter()
         .map(|scene| scene.get().scene().clone())
@@ -151,7 +151,7 @@ pub fn sweep(
         ))
     })?;
     if values.is_empty() {
-        return Err(refused("values has no value"));
+        return Err(refused("values is empty"));
     }
     let methods = match method {
         Some(method) => chosen(method)?,
@@ -161,7 +161,7 @@ pub fn sweep(
             .filter(|method| quantity != Quantity::Damping || tuning::tunable(*method).is_some())
             .collect(),
     };
-    let columns: Vec<_> = methods.iter().copied().map(Column::of).collect();
+    let columns: Vec<_> = methods.iter().copied().map(Column::new).collect();
     let own: Scene = scene.get().scene().clone();
     let threads = threads()?;
     let said = interruptible(py, move |stop| {

@@ -28,7 +28,7 @@ struct Evaluating {
 }
 
 impl Evaluating {
-    fn of(set: &str, seed: u64, method: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    fn new(set: &str, seed: u64, method: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let set = Set::ALL
             .into_iter()
             .find(|known| known.name() == set)
@@ -38,7 +38,7 @@ impl Evaluating {
             })?;
         let columns = match method {
             None => set.columns(),
-            Some(method) => chosen(method)?.into_iter().map(Column::of).collect(),
+            Some(method) => chosen(method)?.into_iter().map(Column::new).collect(),
         };
         Ok(Self {
             set,
@@ -95,7 +95,7 @@ pub fn run_suite(
             "seeds is {seeds}, but must be 1 to 1000, and seed + seeds below 2^64"
         )));
     }
-    let judging = Evaluating::of(set, seed, method)?;
+    let judging = Evaluating::new(set, seed, method)?;
     let threads = threads()?;
     let (judging, evaluated) = interruptible(py, move |stop| {
         let look = || stop.leave_if_raised();
@@ -120,7 +120,7 @@ pub fn suite_part(
     end: usize,
     method: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<Row>> {
-    let judging = Evaluating::of(set, seed, method)?;
+    let judging = Evaluating::new(set, seed, method)?;
     let thread = one_thread()?;
     let evaluated = interruptible(py, move |stop| {
         let look = || stop.leave_if_raised();
@@ -161,7 +161,7 @@ pub fn suite_names(
     method: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(Vec<String>, Vec<String>)> {
     check_plants(plants)?;
-    let judging = Evaluating::of(set, 0, method)?;
+    let judging = Evaluating::new(set, 0, method)?;
     let conditions = judging.set.conditions();
     Ok((
         conditions.iter().map(ToString::to_string).collect(),
@@ -202,7 +202,7 @@ pub fn suite_of_parts(
             }
         })
         .collect();
-    Evaluating::of(set, seed, method)?.report(&[scores])
+    Evaluating::new(set, seed, method)?.report(&[scores])
 }
 
 /// Creates a pool of one thread: a caller of parts uses other processes for the other processors.

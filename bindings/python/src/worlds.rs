@@ -54,7 +54,7 @@ pub fn replay_world<'py>(
     method: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<(Evaluated<'py>, Vec<String>)> {
     let name = recording.path().display().to_string();
-    let recorded = py.detach(|| RecordedWorld::of(&recording));
+    let recorded = py.detach(|| RecordedWorld::new(&recording));
     let recorded = recorded.map_err(|error| match error {
         RecordedWorldError::Path(WorldPathError::Recording(error)) => unread(error),
         other => refused(other),
@@ -169,7 +169,7 @@ fn methods(
     };
     if given.is_callable() {
         return Err(PyTypeError::new_err(
-            "a method of your own runs on scenes of one contact, not on worlds",
+            "a user-defined method runs on scenes of one contact, not on worlds",
         ));
     }
     let names: Vec<String> = match given.cast::<PyString>() {
@@ -182,7 +182,7 @@ fn methods(
         return Ok(possible.map(str::to_owned).collect());
     }
     if names.is_empty() {
-        return Err(refused("method names no method"));
+        return Err(refused("method is empty; name a method"));
     }
     Ok(names)
 }

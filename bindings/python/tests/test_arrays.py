@@ -84,8 +84,8 @@ WRONG: list[tuple[Callable[[np.ndarray], Any], str]] = [
     (lambda plain: plain > 0, "is of type bool, but must be of numbers"),
     (lambda plain: np.full(plain.shape, None), "is of type object, but must be of numbers"),
     (lambda plain: np.zeros(plain.shape, "M8[s]"), r"is of type datetime64\[s\], but must be of numbers"),
-    (lambda plain: np.ma.array(plain, mask=np.arange(plain.size).reshape(plain.shape) == 1), "has numbers that are masked, but each must be known"),
-    (lambda plain: [*plain.tolist()[:-1], [0.0, [1.0]]], "is no array of numbers"),
+    (lambda plain: np.ma.array(plain, mask=np.arange(plain.size).reshape(plain.shape) == 1), "has masked values, but every value must be known"),
+    (lambda plain: [*plain.tolist()[:-1], [0.0, [1.0]]], "is not an array of numbers"),
 ]
 """What is refused, and how."""
 
@@ -295,7 +295,7 @@ def test_the_compiled_part_refuses_what_does_not_lie_as_numbers_do() -> None:
         world.reset()
         assert world.tick(make(row), None).tobytes() == answer
     for make in (unaligned, of_records):
-        with pytest.raises(ValueError, match=r"positions does not lie in memory as numbers of 64 bits do; give numpy.require"):
+        with pytest.raises(ValueError, match=r"positions is not aligned in memory as 64-bit numbers; give numpy.require"):
             world.tick(make(row), None)
 
 
@@ -365,7 +365,7 @@ def test_parts_on_many_machines_are_asked_for_by_numbers_of_numpy(root: Any, tmp
 
 def test_a_step_of_an_engine_is_checked() -> None:
     contact, rows = ball_of_an_engine()
-    with pytest.raises(ValueError, match=r"there is no sample to meet the bodies at: sample\(\) comes first"):
+    with pytest.raises(ValueError, match=r"there is no sample: call sample\(\) before meet\(\)"):
         contact.meet(1e-3, rows)
     contact.sample([0.0, 0.0, 0.0])
     for h in (0.0, -1.0, math.nan, math.inf):

@@ -122,7 +122,7 @@ def test_parts_of_another_study_are_told_apart(root: Path, tmp_path: Path) -> No
         with pytest.raises(ValueError, match=f"is a part of another study: {key}"):
             other.missing(tmp_path)
     parquet.write_table(parquet.read_table(tmp_path / study.file(1)).replace_schema_metadata(), tmp_path / study.file(2))
-    with pytest.raises(ValueError, match="is no part of a study of palpate"):
+    with pytest.raises(ValueError, match="is not a part of a study of palpate"):
         study.missing(tmp_path)
     for call, kind, said in [
         (lambda: study.make(4, tmp_path), ValueError, "part is 4, but must be 1 to 3"),
@@ -131,7 +131,7 @@ def test_parts_of_another_study_are_told_apart(root: Path, tmp_path: Path) -> No
         (lambda: distributed.suite(plants=10**12), ValueError, "plants is 1000000000000, but must be 1 to 1000000"),
         (lambda: distributed.map(cells=2, parts=7), ValueError, "parts is 7, but the map has 6 cells"),
         (lambda: distributed.map(cells=1), ValueError, "a map has 2 to 1000 cells along each axis, not 1"),
-        (lambda: distributed.map(dealy=1), TypeError, "no argument of palpate.map is called dealy"),
+        (lambda: distributed.map(dealy=1), TypeError, "palpate.map has no argument dealy"),
         (lambda: distributed.suite("moon"), ValueError, 'set is "moon"'),
     ]:
         with pytest.raises(kind, match=said):

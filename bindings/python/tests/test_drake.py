@@ -502,13 +502,13 @@ def test_what_cannot_be_touched_is_refused() -> None:
         ({"bodies": "ball"}, r"bodies is 'ball', but must be a list, such as \['ball'\]"),
         ({"bodies": ["ball", ball]}, "bodies names body 'ball' twice"),
         ({"bodies": ["cube"]}, "the plant has no body 'cube'; it has 'world', 'ball', 'egg', 'nothing'"),
-        ({"bodies": ["twin"]}, "the plant has 2 bodies 'twin', of several models: give the RigidBody itself"),
-        ({"bodies": [stranger]}, "body 'ball' is of another plant"),
-        ({"bodies": [3]}, "3 is no body"),
+        ({"bodies": ["twin"]}, "the plant has 2 bodies 'twin', in several models: give the RigidBody itself"),
+        ({"bodies": [stranger]}, "body 'ball' belongs to another plant"),
+        ({"bodies": [3]}, "3 is not a body"),
         ({"bodies": [egg]}, "body 'egg': its shape .*egg 0' is of type Ellipsoid; a tool can touch half-spaces, spheres"),
-        ({"bodies": ["nothing"]}, "body 'nothing' has no shape for collisions"),
-        ({"bodies": [ball], "tool": "egg"}, "tool: body 'egg' must have one sphere for its collisions, but has Ellipsoid"),
-        ({"bodies": [ball], "tool": "nothing"}, "tool: body 'nothing' must have one sphere for its collisions, but has none"),
+        ({"bodies": ["nothing"]}, "body 'nothing' has no collision shape"),
+        ({"bodies": [ball], "tool": "egg"}, "tool: body 'egg' must have one sphere as collision shape, but has Ellipsoid"),
+        ({"bodies": [ball], "tool": "nothing"}, "tool: body 'nothing' must have one sphere as collision shape, but has none"),
         ({"bodies": [ball], "tool": "ball"}, "bodies names body 'ball', which is the tool"),
         ({"bodies": [ball], "stiffness": -1.0}, "stiffness"),
     ]:
@@ -525,7 +525,7 @@ def test_what_cannot_be_touched_is_refused() -> None:
     bare = MultibodyPlant(0.001)
     lone = bare.AddRigidBody("lone", SpatialInertia.SolidSphereWithMass(1.0, 0.1))
     bare.Finalize()
-    with pytest.raises(ValueError, match="has no scene graph, so that its bodies have no shapes"):
+    with pytest.raises(ValueError, match="has no scene graph, so its bodies have no shapes"):
         Contact(Simulator(bare), bare, bodies=[lone], **law)
 
 
@@ -535,12 +535,12 @@ def test_steps_that_are_not_the_plants_are_refused() -> None:
     made.ready()
     contact = Contact(made.simulator, made.plant, tool=0.01, bodies=[ball], stiffness=1000.0, device_mass=0.2, **FREE)
     contact.sample([0, 0, 1])
-    with pytest.raises(ValueError, match="pull\\(\\) comes after push"):
+    with pytest.raises(ValueError, match="call pull\\(\\) after push"):
         contact.pull()
     until = contact.push()
-    with pytest.raises(ValueError, match="push\\(\\) comes once"):
+    with pytest.raises(ValueError, match="call push\\(\\) once"):
         contact.push()
-    with pytest.raises(ValueError, match="has to be advanced to 0.001 s, but it stands at 0.0 s"):
+    with pytest.raises(ValueError, match="advance the simulator to 0.001 s after push\\(\\); its time is 0.0 s"):
         contact.pull()
     assert not made.plant.get_applied_spatial_force_input_port().Eval(made.own)
     contact.sample([0, 0, 1])
@@ -550,5 +550,5 @@ def test_steps_that_are_not_the_plants_are_refused() -> None:
     contact.hold()
     made.simulator.AdvanceTo(0.0015)
     contact.sample([0, 0, 1])
-    with pytest.raises(ValueError, match="stands at 0.0015 s, but must stand at a whole number of the plant's time steps"):
+    with pytest.raises(ValueError, match="time is 0.0015 s, but must be a whole number of the plant's time steps"):
         contact.push()

@@ -117,7 +117,7 @@ def test_it_leaves_no_force_at_the_end_of_the_block_at_an_exception_and_when_it_
     with loop(pressing(), wall()) as running:
         touches(running)
     assert running.status.force == NONE and not running.status.running
-    assert running.report is not None and running.report.ending == "it was asked to stop"
+    assert running.report is not None and running.report.ending == "stopped on request"
 
     class Own(Exception):
         pass
@@ -191,7 +191,7 @@ def test_a_loop_that_stands_still_is_told_by_read() -> None:
         slow = wall(period=1.0)
     with loop(pressing(), slow) as running:
         running.read(wait=PATIENCE)
-        with pytest.raises(palpate.LoopError, match=r"stands still: no tick within 0\.2 s, the last one .* s ago"):
+        with pytest.raises(palpate.LoopError, match=r"has stalled: no tick within 0\.2 s, the last one .* s ago"):
             while True:
                 running.read(wait=0.2)
         assert running.status.silent is not None and running.status.silent > 0.15
@@ -303,7 +303,7 @@ ctypes.pythonapi.Py_IncRef(ctypes.py_object(loop))
     assert done.returncode == 0, done.stderr
     recording = palpate.read_recording(path)
     assert recording.complete, recording.shortcomings
-    assert recording.events[-1].text == "the loop ended: it was asked to stop"
+    assert recording.events[-1].text == "the loop ended: stopped on request"
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system forks no process")

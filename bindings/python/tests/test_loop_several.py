@@ -161,13 +161,13 @@ def test_wrong_devices_are_said_by_their_names() -> None:
     both = fingers(model)
     left = both["left"]
     for devices, rendered, message in [
-        (left, model, "the world has the devices left and right; a Loop of it takes one for each"),
+        (left, model, "the world has the devices left and right; give one for each"),
         ({"left": left}, model, "there is no device for 'right'; the world has left and right"),
-        ({**both, "thumb": left}, model, "no device of the world is called 'thumb'; it has left and right"),
+        ({**both, "thumb": left}, model, "the world has no device 'thumb'; it has left and right"),
         ({"left": left, "right": left}, model, "the device for 'right' is a PointerInWorld of 'left'"),
         ({"left": left, "right": palpate.devices.Pointer()}, model, "right: device moves along one axis"),
         ({"left": left, "right": palpate.devices.TwoDiy("/nowhere", normal=(0, 1))}, model, "right: normal is for a Renderer"),
-        ({"tool": palpate.devices.Pointer()}, wall(), "devices by their names are of a World"),
+        ({"tool": palpate.devices.Pointer()}, wall(), "device is a mapping of names, which is for a World"),
     ]:
         with pytest.raises(ValueError, match=re.escape(message)):
             loop(devices, rendered)  # type: ignore[arg-type]

@@ -73,7 +73,7 @@ def test_ticks_are_numbered_without_a_gap_and_show_the_spring_of_the_floor() -> 
         assert running.status.running and running.status.lost == 0
         assert running.contact_names == (("tool", "floor"),) and running.body_names == ("floor", "tool")
         assert running.parameters == {}
-        with pytest.raises(TypeError, match="no table of a world is called stiffness"):
+        with pytest.raises(TypeError, match="a world has no table stiffness"):
             running.change(stiffness=400.0)
     assert ticks.dtype == palpate.RECORDED
     assert (ticks["sequence"] == np.arange(len(ticks))).all()
@@ -154,7 +154,7 @@ def test_it_leaves_no_force_at_the_end_of_the_block_at_an_exception_and_when_it_
     with started() as running:
         touches(running)
     assert running.status.force == NONE and not running.status.running
-    assert running.report is not None and running.report.ending == "it was asked to stop"
+    assert running.report is not None and running.report.ending == "stopped on request"
 
     class Own(Exception):
         pass
@@ -277,9 +277,9 @@ def test_wrong_devices_and_worlds_are_said() -> None:
     contact = wall()
     for device, rendered, message in [
         (palpate.devices.Pointer(), model, "a world runs on palpate.devices.PointerInWorld"),
-        (pointer, contact, "device is of a World"),
-        (palpate.devices.Simulated(model), contact, "device is of a World"),
-        (palpate.devices.Simulated(two), two, "the world has the devices one and other; a Loop of it takes one for each"),
+        (pointer, contact, "device is for a World"),
+        (palpate.devices.Simulated(model), contact, "device is for a World"),
+        (palpate.devices.Simulated(two), two, "the world has the devices one and other; give one for each"),
         (palpate.devices.TwoDiy("/nowhere", normal=(0, 1)), model, "normal is for a Renderer"),
         (palpate.devices.Inverse3("ws://127.0.0.1:1", normal=(0, 1, 0)), model, "normal is for a Renderer"),
     ]:
@@ -287,7 +287,7 @@ def test_wrong_devices_and_worlds_are_said() -> None:
             loop(device, rendered)  # type: ignore[arg-type]
     with pytest.raises(OSError, match="nowhere"):
         loop(palpate.devices.TwoDiy("/nowhere"), model)
-    for changes, message in [({"ring": 0}, "ring is 0 ticks"), ({"range": (-1.0, 1.0)}, "range is along the axis")]:
+    for changes, message in [({"ring": 0}, "ring is 0 ticks"), ({"range": (-1.0, 1.0)}, "range is for a Renderer")]:
         with pytest.raises(ValueError, match=message):
             loop(pointer, model, **changes)
 

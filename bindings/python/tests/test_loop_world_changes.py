@@ -150,7 +150,7 @@ def test_what_cannot_change_is_refused_and_changes_nothing() -> None:
             ({"contacts": floor_of(-1.0)}, "stiffness"),
             ({"bodies": []}, "floor"),
             ({"bodies": [FLOOR, {**FLOOR, "name": "wall"}]}, "the bodies are floor, wall, but must stay floor while the loop runs"),
-            ({"contacts": []}, "the pairs that may touch are "),
+            ({"contacts": []}, "the contact pairs are "),
             ({"method": "none"}, "none"),
             ({"soft_start": 1.0}, "soft_start is a limit of the loop"),
             ({"force_limit": 1.0}, "force_limit is a limit of the loop"),
@@ -167,7 +167,7 @@ def test_what_cannot_change_is_refused_and_changes_nothing() -> None:
     with pytest.raises(RuntimeError, match="the loop has ended"):
         running.change(contacts=floor_of(500.0))
     with loop(pressing(), wall()) as contact:
-        with pytest.raises(TypeError, match="the loop renders a Renderer; a World runs in a Loop of its own"):
+        with pytest.raises(TypeError, match="the loop renders a Renderer; make another Loop for a World"):
             contact.change(model)
         assert contact.world is None
 
@@ -179,7 +179,7 @@ def test_many_changes_in_a_row_leave_the_last_one_and_no_room_is_said(tmp_path: 
     # Before the start nothing takes the changes.
     for number in range(1, 9):
         assert running.change(contacts=floor_of(300.0 + number)) == number
-    with pytest.raises(ValueError, match="8 worlds wait to be rendered already"):
+    with pytest.raises(ValueError, match="8 worlds are already queued"):
         running.change(contacts=floor_of(500.0))
     with running:
         heard = Heard(running)

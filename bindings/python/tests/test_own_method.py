@@ -100,7 +100,7 @@ def test_an_answer_that_is_no_finite_number_is_refused_by_the_method_s_name(answ
     def broken(now: palpate.Situation) -> float:
         return answer
 
-    with pytest.raises(ValueError, match=f"broken answered {answer}, but must answer with a finite number"):
+    with pytest.raises(ValueError, match=f"broken returned {answer}, but must return a finite number"):
         palpate.simulate(ROOT / FIG2, broken)
 
 
@@ -108,5 +108,5 @@ def test_an_answer_that_is_no_number_is_refused_by_the_method_s_name() -> None:
     def silent(now: palpate.Situation) -> Any:
         return None
 
-    with pytest.raises(TypeError, match="silent answered None, but must answer with a finite number"):
+    with pytest.raises(TypeError, match="silent returned None, but must return a finite number"):
         palpate.simulate(ROOT / FIG2, silent)

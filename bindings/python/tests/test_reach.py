@@ -61,7 +61,7 @@ def test_what_cannot_be_mapped_is_said() -> None:
         (lambda: palpate.map("basic", viscous_friction=math.nan), "viscous_friction is NaN N s/m, but must be finite and not below 0"),
         (lambda: palpate.map("basic", forces="none"), 'forces is "none", but must be "balanced" or "weight"'),
         (lambda: palpate.map("none"), "none"),
-        (lambda: palpate.advise(period=0.001), "device_mass is needed"),
+        (lambda: palpate.advise(period=0.001), "device_mass is missing"),
         (lambda: palpate.advise(period=0, device_mass=1), "period is 0 s, but must be finite and greater than 0"),
         (lambda: palpate.advise(period=0.001, device_mass=1, mass=-1), "mass is -1 kg, but must be finite and greater than 0"),
     ]:

@@ -105,7 +105,7 @@ def test_arrays_of_any_layout_and_of_other_numbers_are_taken() -> None:
         (["a", "b"], [0, 0], "t is of type <U1, but must be of numbers"),
         (SWING[0], SWING[1] * 1j, "x is of type complex128, but must be of numbers"),
         ([0.0, 0.001], [0.0, 0.0], "the recording lasts 0.001 s, less than one period of 0.01 s"),
-        (SWING[0], 1000 * SWING[1], '151 m of hand motion in 2 s, over a stretch of 20 m; is the unit mm? unit="mm"'),
+        (SWING[0], 1000 * SWING[1], 'implausible motion: 151 m path in 2 s, range 20 m; is the unit mm? If so, pass unit="mm"'),
         ([0.0, 1e5], [0, 0], "the recording has 10000000 periods; at most 2000000 fit"),
         ([0.0, 1e9], [0, 0], "period is 0.01, but must be long enough for at most 1e8 periods"),
     ],
@@ -179,7 +179,7 @@ def test_a_period_in_milliseconds_is_questioned() -> None:
 def test_wrong_arguments_are_named() -> None:
     for wrong, words in [
         ({"unit": "inch"}, 'unit is "inch", but must be "m" or "cm" or "mm" or "um"'),
-        ({"method": []}, "method names no method"),
+        ({"method": []}, "method is empty; name a method"),
         ({"method": ["basic", "basic"]}, "basic is named twice"),
         ({"method": ["basic", "hfcr"], "damping": 1.0}, "damping cannot be used by method basic"),
         ({"stiffness": 0.0}, "stiffness is 0 N/m, but must be finite and greater than 0"),
@@ -208,9 +208,9 @@ def test_runs_are_pickled_whole() -> None:
         np.testing.assert_array_equal(again.ticks[method], ticks)
     np.testing.assert_array_equal(again.ideal, run.ideal)
     assert run.methods[1].method == run.method("hfcr")["method"] == "hfcr"
-    with pytest.raises(AttributeError, match="no field is called kapa; the fields are format"):
+    with pytest.raises(AttributeError, match="there is no field kapa; the fields are format"):
         run.kapa
-    with pytest.raises(KeyError, match="no run is by seh; there are basic, hfcr"):
+    with pytest.raises(KeyError, match="there is no run of seh; there are basic, hfcr"):
         run.method("seh")
 
 

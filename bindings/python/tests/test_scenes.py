@@ -128,7 +128,7 @@ def test_a_scene_that_cannot_be_run_says_why() -> None:
         palpate.simulate(light_block(measure={"duration_s": 1e9}))
     # The object flies away from the device and touches it at most once.
     away = {"mass_kg": 0.1, "stiffness_n_per_m": 400, "position_m": 0.01, "velocity_m_per_s": -1.0}
-    with pytest.raises(ValueError, match="asks for 50 collisions, but the ideal has only"):
+    with pytest.raises(ValueError, match="requires 50 collisions, but the ideal has only"):
         palpate.simulate(light_block(measure={"collisions": 50}, hand={"force_n": 0.0}, object=away))
     with pytest.raises(ValueError, match='no method is called "hfc"'):
         palpate.simulate(light_block(), method="hfc")
@@ -155,9 +155,9 @@ def test_a_table_that_contains_itself_is_refused_by_its_place() -> None:
     rows.append(rows)
     for given, place in (({"object": itself}, "scene.object.x.x"), ({"object": {"mass_kg": deep}}, "scene.object.mass_kg")):
         tables: dict[str, Any] = {"object": {}, "device": {}, "loop": {}, "measure": {}, **given}
-        with pytest.raises(ValueError, match=f"{place} has tables or lists in each other more than 32 deep"):
+        with pytest.raises(ValueError, match=f"{place} has tables or lists nested more than 32 deep"):
             palpate.Scene("itself", **tables)
-    with pytest.raises(ValueError, match="more than 32 deep, as where one contains itself"):
+    with pytest.raises(ValueError, match="more than 32 deep, for example one that contains itself"):
         palpate.World(bodies=[{"name": rows}])
     # Free each list before the next: freeing nested lists is recursive, too.
     while isinstance(deep, list):

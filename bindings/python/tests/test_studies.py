@@ -28,7 +28,7 @@ def test_a_sweep_is_that_of_the_program(program: Any, root: Path) -> None:
     assert palpate.sweep(pantograph, "friction", np.float32(1), "basic") == program.json(*arguments)
     for wrong, words in [
         ({"over": "mass"}, 'over is "mass", but must be one of "friction", "box", "damping"'),
-        ({"values": []}, "values has no value"),
+        ({"values": []}, "values is empty"),
         ({"method": "basic"}, "experiments/fig2.toml: column basic: its method has no damping to vary"),
         ({"values": [-1.0]}, "experiments/fig2.toml:"),
         ({"over": "box"}, "experiments/fig2.toml:"),
@@ -57,10 +57,10 @@ def test_a_damping_is_tuned_as_by_the_program(program: Any, root: Path) -> None:
     assert [point.value_n_s_per_m for point in named.curve] == [0.0, 0.5]
     for wrong, words in [
         ({"method": "basic"}, "basic has no damping to tune"),
-        ({"method": ["hfcr", "popc"]}, "tune looks at one method"),
+        ({"method": ["hfcr", "popc"]}, "tune evaluates one method"),
         ({"method": "hfcr", "least": "noise"}, 'least is "noise", but must be "error" or "leak"'),
         ({"method": "hfcr", "steps": 1}, "steps is 1, but must be 2 or more"),
-        ({"method": "hfcr", "values": []}, "values has no value"),
+        ({"method": "hfcr", "values": []}, "values is empty"),
         ({"method": "hfcr", "values": [-1.0]}, "experiments/fig2.toml:"),
     ]:
         with pytest.raises(ValueError) as raised:

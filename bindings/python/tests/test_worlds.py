@@ -119,7 +119,7 @@ def test_a_stylus_that_its_hand_turns_is_answered_with_a_force() -> None:
     stylus.report_sent(np.zeros(3))
     with pytest.raises(ValueError, match=r"must have \(3,\)"):
         stylus.report_sent(np.zeros(6))
-    with pytest.raises(ValueError, match="gives_torque is of a device of six axes"):
+    with pytest.raises(ValueError, match="gives_torque needs a device of six axes"):
         ball(devices=[{"name": "tool", "gives_torque": False, "mass_kg": 0.2, "tool": {"sphere": {"radius_m": 0.01}}}])
 
 
@@ -242,7 +242,7 @@ def test_every_fault_of_a_world_is_said(root: Path, tmp_path: Path) -> None:
         palpate.simulate(PADDLE, method=["basic", "virtual-damper"])
     with pytest.raises(TypeError, match="runs on scenes of one contact"):
         palpate.simulate(PADDLE, method=lambda now: 0.0)
-    with pytest.raises(ValueError, match="title stands in the file"):
+    with pytest.raises(ValueError, match="path and title are given"):
         palpate.World(PADDLE, title="a")
     with pytest.raises(FileNotFoundError):
         palpate.World(tmp_path / "none.toml")

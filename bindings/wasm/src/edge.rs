@@ -161,7 +161,7 @@ pub extern "C" fn palpate_open_world() -> i32 {
         let (text, methods) = edge
             .text()?
             .split_once('\0')
-            .ok_or("after the world there is no list of methods")?;
+            .ok_or("the list of methods after the world is missing")?;
         let methods: Vec<&str> = methods.split(',').collect();
         let space = Space::open(text, &methods)?;
         let drawn = space.drawn();

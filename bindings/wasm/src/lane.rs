@@ -1,11 +1,11 @@
 //! One rendering of the playground: the program's loop on a virtual device, with a clock that the page advances.
 
 use palpate_device::clock::{Clock as _, SteppedClock};
+use palpate_live::message::ServerMessage;
+use palpate_live::rows::Rows;
 use palpate_record::recording::Row;
 use palpate_rt::safety::{OscillationParams, SafetyParams, SafetyStop};
 use palpate_rt::{ControlLoop, Listener, Message, Note, Parameters, Rendering, tap};
-use palpate_live::message::ServerMessage;
-use palpate_live::rows::Rows;
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 
 /// Capacity for ticks, contacts and notes of one call of [`Lane::advance`].
@@ -66,7 +66,7 @@ impl Lane {
             .tapped(tap);
         let parameters = control
             .parameters()
-            .ok_or("the loop has given its parameters away")?;
+            .ok_or("the parameters of the loop are already in use")?;
         let period = rendering.loop_params.period;
         Ok(Self {
             control,
@@ -100,11 +100,11 @@ impl Lane {
     }
 
     fn listen(&mut self, number: usize, notes: &mut Vec<String>) {
-        let (mut messages, mut unmodelled) = (0, 0);
+        let (mut messages, mut unsent) = (0, 0);
         for heard in self.listener.by_ref() {
             match heard {
                 Message::Tick(tick, contacts, _, _) => {
-                    if let Some(row) = Row::of(tick, &contacts).next() {
+                    if let Some(row) = Row::new(tick, &contacts).next() {
                         self.position = Some(row.contact.device_position);
                         self.rows.add(&row);
                     }
@@ -126,7 +126,7 @@ impl Lane {
                         _ => {}
                     }
                     if messages == MAX_NOTES {
-                        unmodelled += 1;
+                        unsent += 1;
                         continue;
                     }
                     messages += 1;
@@ -135,9 +135,9 @@ impl Lane {
                 }
             }
         }
-        if unmodelled > 0 {
-            let text = format!("and {unmodelled} more at once");
-            notes.push(note(number, self.time(), "unmodelled", &text));
+        if unsent > 0 {
+            let text = format!("{unsent} further events");
+            notes.push(note(number, self.time(), "unsent", &text));
         }
         if self.control.safety_stop().is_none() {
             self.safety_stop = None;

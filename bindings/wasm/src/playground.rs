@@ -1,12 +1,12 @@
 //! One or two loops with the same hand, and the messages of a page.
 
-use palpate_rt::safety::SafetyParams;
-use palpate_scene::method::MethodName;
-use palpate_scene::{Delay, Scene, SceneFile};
 use palpate_live::message::{
     ClientMessage, ClientRequest, DeviceSaid, LaneState, ServerMessage, Set, parse,
 };
 use palpate_live::{Limits, Settings, make_room};
+use palpate_rt::safety::SafetyParams;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Delay, Scene, SceneFile};
 use palpate_sim::device::{PointerHand, PointerParams};
 use serde::{Deserialize, Serialize};
 
@@ -78,7 +78,7 @@ impl Playground {
             .map_err(|errors| errors.to_string())?
             .scene;
         let methods = [MethodName::Basic, scene.method];
-        let settings = Settings::of(&scene, &methods);
+        let settings = Settings::new(&scene, &methods);
         let mut playground = Self {
             limits: Limits::around(&settings, &scene),
             settings,
@@ -121,7 +121,7 @@ impl Playground {
         goes_on: bool,
     ) -> Result<Vec<Lane>, String> {
         let scene = self.scene_on(device);
-        let usual = PointerParams::of(&scene);
+        let usual = PointerParams::new(&scene);
         let first = self.lanes.first().and_then(Lane::position);
         let renderings = settings.renderings(&scene)?;
         let lanes = renderings.into_iter().enumerate();
@@ -226,11 +226,11 @@ impl Playground {
             }),
             ClientMessage::Request(ClientRequest::Tool { .. }) => Err(Refused {
                 about: "tool",
-                why: "one contact has a hand along one axis".into(),
+                why: "the hand of a single contact moves along one axis only".into(),
             }),
             ClientMessage::Request(ClientRequest::Turn { .. }) => Err(Refused {
                 about: "turn",
-                why: "one contact turns nothing".into(),
+                why: "a single contact has no rotation".into(),
             }),
             ClientMessage::Refused(about, why) => Err(Refused { about, why }),
             ClientMessage::Unknown(why) => Err(Refused {

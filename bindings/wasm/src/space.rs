@@ -112,14 +112,12 @@ impl Space {
         let actuator = scene.timing.actuator;
         if actuator.delay != 0.0 || actuator.lag != 0.0 || actuator.gain != 1.0 {
             return Err(
-                "the hand of this page leads worlds without delay and lag, and with a gain of 1"
-                    .into(),
+                "this page supports only worlds without delay and lag, and with a gain of 1".into(),
             );
         }
         if scene.devices.iter().any(|device| device.turning.is_some()) {
             return Err(
-                "the hand of this page turns no tool, and this world has a device of six axes"
-                    .into(),
+                "this page does not support devices of six axes, and this world has one".into(),
             );
         }
         for device in &mut scene.devices {
@@ -187,7 +185,10 @@ impl Space {
                     name: &body.name,
                     fixed: body.motion == Motion::Fixed,
                     shape: drawn(&body.shape).ok_or_else(|| {
-                        format!("body {:?} has a shape that is not drawn here", body.name)
+                        format!(
+                            "body {:?} has a shape that this page cannot draw",
+                            body.name
+                        )
                     })?,
                     position_m: body.position,
                     orientation: body.orientation,

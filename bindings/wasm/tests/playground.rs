@@ -108,7 +108,7 @@ fn what_is_refused_changes_nothing_and_says_what_is_allowed() {
             "records nothing",
         ),
         (r#"{"type":"rearm","lane":7}"#, "rearm", "allowed: 0 to 1"),
-        (r#"{"type":"nonsense"}"#, "unknown", "its type is none of"),
+        (r#"{"type":"nonsense"}"#, "unknown", "unknown type; allowed"),
         ("{", "unknown", "JSON"),
     ] {
         let refused = playground.hear(message).unwrap_err();

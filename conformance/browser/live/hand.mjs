@@ -118,7 +118,7 @@ test("keys move the hand by 1 and 10 mm, to the ends, and let go", async () => {
   await handAt(open, Number(highest) / 1000);
   await keyboard.press("Escape");
   await open.until("the hand has let go", () => palpate.model.state.hand_m === null);
-  await open.until("it says so", () => document.querySelector("#scene").getAttribute("aria-valuetext") === "let go");
+  await open.until("it says so", () => document.querySelector("#scene").getAttribute("aria-valuetext") === "released");
   await open.leave();
   await live.end();
   live.forget();

@@ -135,7 +135,7 @@ test("what the server refuses stands beside its field, which goes back", async (
   assert.equal(await open.get(refusal, "stiffness_n_per_m"), "");
   assert.equal(await open.get(fieldText, "damping-1"), "");
   await open.enter(input("mass_kg"), "heavy");
-  assert.equal(await open.until("the refusal is shown", refusal, "mass_kg"), "“heavy” is no number");
+  assert.equal(await open.until("the refusal is shown", refusal, "mass_kg"), "“heavy” is not a number");
   // 0 Hz has no period.
   const rate = await open.get(fieldText, "period_s");
   await open.enter(input("period_s"), "0");
@@ -176,7 +176,7 @@ test("a refusal stands where one has asked, and nothing shows what was not done"
   await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 700);
   const refusals = () => ["#lanes > .refused", '[data-name="stiffness_n_per_m"] .refused'].map((place) => document.querySelector(place).textContent);
   // This refusal names no field.
-  const tooOften = "the loops begin anew too often; allowed: 4 times each second";
+  const tooOften = "restarts are too frequent; allowed: 4 per second";
   const refused = (about, text) => open.get((about, text) => palpate.model.take({ type: "refused", about, text }), about, text);
   await open.page.click("#second-lane");
   await open.until("there are two", () => palpate.model.state.lanes.length === 2);
@@ -218,7 +218,7 @@ test("a method that safety stops is shown; another one, rearmed, holds the same 
     const text = document.querySelector('[data-about="safety-stop-1"] p')?.textContent;
     return /coupled renders now/.test(text) && text;
   });
-  assert.match(says, /^Lane 1: no force, because of basic, which rendered before/);
+  assert.match(says, /^Rendering 1: no force, because of the previous method basic/);
   await press(open, -0.01);
   await open.page.click('[data-about="safety-stop-1"] button');
   await open.until("it is armed", () => palpate.model.state.lanes[0].safety_stop === null);

@@ -49,7 +49,7 @@ test("a link that is entered while the page is open counts", async () => {
 test("what a link says wrongly is said, and nothing else is lost", async () => {
   const { open, leave } = await play("#mass_kg=heavy&stiffness_n_per_m=700&colour=red");
   const text = await open.get(() => document.querySelector("#banners").textContent);
-  assert.match(text, /mass_kg is “heavy”, and has to be a number; “colour” is no setting/);
+  assert.match(text, /mass_kg is “heavy”, and has to be a number; “colour” is not a setting/);
   await open.until("the rest counts", () => palpate.model.state.stiffness_n_per_m === 700);
   await leave();
 });

@@ -48,6 +48,6 @@ test("the table has every row of every lane, and says what a row is", () => {
   const about = JSON.parse(rows[0][7]);
   assert.equal(about.title, 'x "y", z');
   assert.deepEqual(about.settings, settings);
-  assert.match(about.rows, /least or the greatest/);
+  assert.match(about.rows, /minimum or maximum/);
   assert.deepEqual(rows.slice(1).map((row) => row[7]), ["", "", ""]);
 });

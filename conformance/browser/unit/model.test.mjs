@@ -272,7 +272,7 @@ test("who comes to a loop that is over is told", () => {
   model.take(HELLO);
   model.take(stopped(true, false));
   model.takeSamples(frame({ times: [3] }));
-  assert.deepEqual(heard, ["Restart begins it anew"]);
+  assert.deepEqual(heard, ["press Restart to start it again"]);
   model.take(HELLO);
   model.take(stateOf());
   assert.equal(model.ended, null);

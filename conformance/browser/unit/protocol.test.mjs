@@ -28,7 +28,7 @@ test("a frame that is not as told is refused, and says how", () => {
   assert.throws(() => readSamples(good.slice(0, 20), 1), /20 bytes is shorter than its header of 24/);
   assert.throws(() => readSamples(good.slice(0, 36), 1), /2 rows has 36 bytes instead of 40/);
   assert.throws(() => readSamples(good, 14), /1 columns, hello announces 14/);
-  assert.throws(() => readSamples(frameOf({ kind: 2, times: [0], rows: [[1]] }), 1), /kind 2 is not known/);
+  assert.throws(() => readSamples(frameOf({ kind: 2, times: [0], rows: [[1]] }), 1), /unknown frame kind 2/);
 });
 
 test("rows are ticks up to 1 kHz, groups above", () => {

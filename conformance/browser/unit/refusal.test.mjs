@@ -22,7 +22,7 @@ test("a period that was entered as a rate is refused as a rate", () => {
 });
 
 test("what is about no value is said as the server says it", () => {
-  for (const text of ["the loops begin anew too often; allowed: 4 times each second", "lane is 7; allowed: 0 to 1", ""]) {
+  for (const text of ["restarts are too frequent; allowed: 4 per second", "lane is 7; allowed: 0 to 1", ""]) {
     assert.deepEqual(refusalInWords(text), { key: null, words: text });
   }
 });

@@ -8,14 +8,14 @@ test("a banner names the method that created the energy, and not the one that re
   const same = { method: "basic", safety_stop: OSCILLATES, safety_stop_method: "basic" };
   assert.equal(safetyStopInWords(same, 1), `basic: no force, because ${OSCILLATES}.`);
   const switched = safetyStopInWords({ ...same, method: "coupled" }, 2);
-  assert.match(switched, /^Lane 2: no force, because of basic, which rendered before: held forces created energy/);
+  assert.match(switched, /^Rendering 2: no force, because of the previous method basic: held forces created energy/);
   assert.match(switched, /coupled renders now; Rearm/);
   assert.doesNotMatch(switched, /^coupled/);
 });
 
 test("what the device or the machine has done is no method's fault", () => {
   const lane = { method: "coupled", safety_stop: "the device left its workspace", safety_stop_method: null };
-  assert.equal(safetyStopInWords(lane, 1), "Lane 1: no force, because the device left its workspace.");
+  assert.equal(safetyStopInWords(lane, 1), "Rendering 1: no force, because the device left its workspace.");
 });
 
 test("where nothing keeps the force away there is no banner", () => {

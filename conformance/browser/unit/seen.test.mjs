@@ -29,11 +29,11 @@ test("one sentence says which side creates energy and which takes it away", () =
   );
   assert.equal(
     seenInWords([lane("basic", NaN), lane("coupled", -0.0029, 4.9)]),
-    "Left (basic): not known; right (coupled) takes 2.90 mJ of energy away (last 5 s).",
+    "Left (basic): unknown; right (coupled) dissipates 2.90 mJ of energy (last 5 s).",
   );
   assert.equal(
     seenInWords([lane("basic", -2e-5), lane("coupled", 0)]),
-    "Left (basic) takes less than 0.1 mJ of energy away; right (coupled) creates no energy (last 5 s).",
+    "Left (basic) dissipates less than 0.1 mJ of energy; right (coupled) creates no energy (last 5 s).",
   );
   assert.equal(seenInWords([lane("hfcr", 0.5, 0.31)]), "hfcr creates 500 mJ of energy (last 0.3 s).");
   assert.equal(seenInWords([lane("hfcr", NaN)]), "");

@@ -22,7 +22,7 @@ test("a pause says what has come in since, and when nothing more is kept", () =>
   assert.equal(aboutBuffer(model, view), "");
   view.follow(30, 0.016);
   view.pause();
-  assert.match(aboutBuffer(model, view), /^Paused at 30\.00 s; 12 s more have come in since\. Drag/);
+  assert.match(aboutBuffer(model, view), /^Paused at 30\.00 s; 12 s more received since\. Drag/);
   assert.match(aboutBuffer({ ...model, refusedRows: 3 }, view), /buffer is full/);
 });
 

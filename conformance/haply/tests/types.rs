@@ -83,7 +83,7 @@ fn a_state_frame_of_their_types_is_read() {
     let device = frame.device("04BA").unwrap();
     assert!(device.is_of_3_5());
     near(device.sample().unwrap().position, [0.1, 0.2, 0.3]);
-    assert_eq!(Unfit::of(&device.status), Some(Unfit::NoPower));
+    assert_eq!(Unfit::new(&device.status), Some(Unfit::NoPower));
 }
 
 #[test]

@@ -215,7 +215,7 @@ fn points_touch_a_grid_without_allocating() {
         Mesh::convex(&vertices).unwrap()
     };
     let (slab, die) = (block(0.05), block(0.01));
-    let grid = DistanceGrid::of(&slab, 0.005).unwrap();
+    let grid = DistanceGrid::new(&slab, 0.005).unwrap();
     let shell = PointShell::over(&die, 32).unwrap();
     let world = World {
         joints: Vec::new(),
@@ -293,7 +293,7 @@ fn a_world_is_stepped_without_allocating() {
         law: JointLaw {
             spring: 100.0,
             limits: Some([-0.01, 0.0]),
-            ..JointLaw::of(5000.0, 0.04)
+            ..JointLaw::new(5000.0, 0.04)
         },
     };
     let mut world = World {

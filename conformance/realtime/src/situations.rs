@@ -85,7 +85,7 @@ type Simulated = ControlLoop<SimulatedDevice<SteppedClock>, SteppedClock>;
 
 fn simulated(scene: &Scene, method: MethodName, limits: SafetyParams) -> Simulated {
     let clock = SteppedClock::new();
-    let device = SimulatedDevice::of(scene, clock.clone()).unwrap();
+    let device = SimulatedDevice::new(scene, clock.clone()).unwrap();
     let rendering = scene.rendering(method).unwrap();
     ControlLoop::new(device, clock, rendering, limits).unwrap()
 }
@@ -324,7 +324,7 @@ fn a_pointer(watch: &mut Watch) {
     for method in [MethodName::Basic, MethodName::Coupled] {
         let clock = SteppedClock::new();
         let hand = PointerHand::at(0.0);
-        let device = PointerDevice::new(PointerParams::of(&scene), &hand, clock.clone()).unwrap();
+        let device = PointerDevice::new(PointerParams::new(&scene), &hand, clock.clone()).unwrap();
         let rendering = scene.rendering(method).unwrap();
         let mut control =
             ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
@@ -365,7 +365,7 @@ fn real_time(watch: &mut Watch) {
     let scene = scene("wall.toml");
     for spin in [Duration::ZERO, Duration::from_micros(300)] {
         let clock = MonotonicClock::new().with_spin(spin);
-        let device = SimulatedDevice::of(&scene, clock).unwrap();
+        let device = SimulatedDevice::new(&scene, clock).unwrap();
         let rendering = scene.rendering(MethodName::Coupled).unwrap();
         let (tap, listener) = tap(1000);
         let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default())
@@ -379,7 +379,7 @@ fn real_time(watch: &mut Watch) {
 
 fn a_run_that_is_stopped(watch: &mut Watch) {
     let clock = MonotonicClock::new();
-    let device = SimulatedDevice::of(&scene("wall.toml"), clock).unwrap();
+    let device = SimulatedDevice::new(&scene("wall.toml"), clock).unwrap();
     let rendering = scene("wall.toml").rendering(MethodName::Hfcr).unwrap();
     let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
     let stop = StopFlag::new();

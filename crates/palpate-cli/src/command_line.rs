@@ -37,7 +37,7 @@ const STYLES: Styles = Styles::styled()
 #[command(name = "palpate", version, styles = STYLES, max_term_width = 100)]
 #[command(after_help = "\
 Examples:
-  palpate demo                                      the whole story in a few seconds
+  palpate demo                                      the main results in a few seconds
   palpate simulate experiments/fig2.toml --method all
   palpate render hand.csv --stiffness 400 --mass 0.1 --period 0.01 --method all --plot hand.svg
 
@@ -46,13 +46,13 @@ Exit codes:
   1  a file could not be read or written
   2  the arguments are wrong
   3  an input file is wrong; the message says where
-  4  done, but the recording that was read or made is not whole; the output or
-     standard error says what is missing
-  5  the loop ran, but at its end or for most of its time safety had the motors off
-     or the renderer refused the samples, or a pipe refused every line or was stopped by
-     safety: there was no force
-  6  nothing can be said of a device; the message says why
-  130  stopped by ctrl-C or another signal before its end; what is done is kept")]
+  4  done, but the recording that was read or made is incomplete; the output or
+     standard error lists the gaps
+  5  the loop ran without force at its end or for most of its time, because safety
+     disabled the motors or the renderer rejected the samples; or a pipe rejected
+     every line or was stopped by safety
+  6  the device or its hand prevents a result; the message gives the reason
+  130  stopped early by ctrl-C or another signal; completed results are kept")]
 pub struct Arguments {
     /// The command.
     #[command(subcommand)]
@@ -69,24 +69,22 @@ palpate render <TRACE.csv> --stiffness <N/m> --mass <kg|inf> --period <s> [OPTIO
     #[command(long_about = "\
 Render a recorded motion.
 
-Motion replay, the default: the recording drives the virtual object; it cannot be pushed back. Each \
-sample gets the force the method would have held, and the energy ledger says what that force would \
-have leaked on this very motion. The ideal it is held against is the same object, driven in continuous \
-time by the recording at its full rate, straight lines between its samples. Where the loop's period is \
-a multiple of the recording's, samples are taken exactly; else they are interpolated on the same \
-lines.
+Motion replay, the default: the recording prescribes the motion of the device; forces do not change it. Each \
+sample gets the force that the method would hold, and the energy ledger reports the energy that this force \
+would leak on this motion. The ideal is the same object in continuous time, on the recording at its full rate \
+with linear interpolation between samples. If the loop's period is a multiple of the recording's, samples are \
+used exactly; otherwise they are interpolated linearly.
 
-Hand replay, --replay hand: the force of the hand on a device of --device-mass is estimated from the \
-motion, and the loop is closed again: the device moves under that hand and the new force. What force \
-the motor held while the motion was recorded stands in the column force_on_device_n of the trace, from \
-each sample until the next; without the column it is taken to have been off. The report says how well \
-the hand is known. Nothing in a recording says what the hand would have done elsewhere. It is taken to \
-hold on to its motion with --hand-stiffness and --hand-damping. With 0 for both, its force stays what \
-it was, and a push that it did not have carries the device off for good. What carries even the ideal \
-device 1 m away is refused. Times count from the first sample.
+Hand replay, --replay hand: the force of the hand on a device of --device-mass is estimated from the motion, \
+and the loop is closed again: the device moves under that hand and the new force. The column force_on_device_n \
+of the trace is the motor force during the recording, held from each sample to the next; without the column it \
+is 0. The report gives the accuracy of the estimate. The recording does not determine the hand's reaction to \
+another motion: a spring of --hand-stiffness and --hand-damping connects the hand to its recorded motion. With \
+0 for both, its force stays the recorded one, and any other force moves the device away without limit. A \
+replay in which even the ideal force moves the device 1 m away is rejected. Times count from the first sample.
 
-In a world, --input has the motion of its devices in the columns t,x,y,z (x,y,z again for each further \
-device), in seconds and metres along the world's axes. Motion replay only. --out writes the force that \
+In a world, --input is the motion of its devices in the columns t,x,y,z (x,y,z again for each further device), \
+in seconds and metres along the world's axes. Only motion replay is available. --out writes the force that \
 each method commands at each sample.")]
     #[command(after_help = "\
 Examples:
@@ -100,10 +98,10 @@ Examples:
     #[command(long_about = "\
 Simulate a scene in closed loop, and compare it with its ideal.
 
-The device moves between samples under the held force. The ideal is the same scene in continuous \
-time: event by event in closed form for a point mass under a constant force, integrated in fine \
-steps for one with friction or a hand of its own and for a linkage, and then the report says how \
-exactly. Flags change values of the scene.")]
+The device moves between samples under the held force. The ideal is the same scene in continuous time. For a \
+point mass under a constant force it is computed event by event in closed form. With friction, a hand model or \
+a linkage it is integrated in fine steps, and the report gives its accuracy. Flags override values of the \
+scene.")]
     #[command(after_help = "\
 Examples:
   palpate simulate experiments/fig2.toml --method all --plot fig2.svg
@@ -116,13 +114,13 @@ Examples:
     #[command(long_about = "\
 Compare methods on many scenes, in one table.
 
-Every method runs on every scene in closed loop, with the settings that the scene has for it or its \
-defaults. E is the part of the force error that a method can avoid, FRE/floor the whole of it over \
-the least that any force held in that loop can have, peak/ideal the strongest force over that of the \
-ideal. A method that cannot be set up on a scene says why.
+Every method runs on every scene in closed loop, with the scene's settings for it or its defaults. E is the \
+avoidable part of the force error. FRE/bound is the whole force error over the hold bound, the smallest error \
+of any held force in that loop. peak/ideal is the largest force over that of the ideal. If a method cannot be \
+set up on a scene, its row gives the reason.
 
-Worlds are compared with worlds. Where the scene has no setting for virtual-damper, virtual-coupling or \
-god-object, the settings that tune tries are tried, and the one of the least E is taken.")]
+Worlds are compared with worlds. If the scene has no setting for virtual-damper, virtual-coupling or \
+god-object, the candidates of tune are tried, and the setting with the smallest E is used.")]
     #[command(after_help = "\
 Examples:
   palpate compare experiments/fig2.toml experiments/experiment1.toml
@@ -137,41 +135,42 @@ palpate pipe --stiffness <N/m> --mass <kg|inf> --period <s> --device-mass <kg> [
     #[command(long_about = "\
 Render live: positions in, forces on the device out, line by line.
 
-Each line of standard input is a position in metres, or with --time a time and a position, \
-`t_s,position_m`; --unit mm takes millimetres. Each is answered by one line on standard output, flushed \
-at once: the force ON THE DEVICE in newtons, to be commanded to the motor as it is and held until the \
-next line. --columns asks for more than the force.
+Each line of standard input is a position in metres, or with --time a time and a position, `t_s,position_m`; \
+with --unit mm positions are in millimetres. Each is answered by one line on standard output, flushed at once: \
+the force ON THE DEVICE in newtons. Command it to the motor unchanged and hold it until the next line. \
+--columns adds further values.
 
            device           object
   ----------->|      |=========|     + axis, --side positive
      <--------|
   force on the device: negative while the object pushes back
 
-The default method, coupled, predicts the device together with the object, so it has to know about how \
-heavy your device is where you hold it: --device-mass within a factor of 2, or the device of a --scene. \
-The other methods need no mass.
+The default method, coupled, predicts the device together with the object, so it needs the approximate mass of \
+your device at the grip: --device-mass within a factor of 2, or the device of a --scene. The other methods \
+need no mass.
 
-THE LAST LINE ANSWERS NO LINE: when the input ends, or SIGINT or SIGTERM ends the pipe (exit code 130), \
-one more line takes the force off, if there was a line before. It has a force of 0, and `ended` in the \
-column phase. So there is one line more than there were samples.
+THE LAST LINE ANSWERS NO LINE: when the input ends, or SIGINT or SIGTERM ends the pipe (exit code 130), one \
+more line sets the force to 0, if there was a line before. Its column phase is `ended`. Therefore the output \
+has one line more than there are samples.
 
-Forces are limited to 20 N (to the motor_limit_n of a --scene if that is less). Where a start or a \
-recovery finds contact, the force comes in over 0.2 s. Both are as in `run`; --force-limit inf and \
---soft-start 0 switch them off.
+Forces are limited to 20 N (to the motor_limit_n of a --scene if that is less). In contact at the start or \
+after a recovery, the force ramps up over 0.2 s. Both are as in `run`; --force-limit inf and --soft-start 0 \
+disable them.
 
-With --time, the measured period is used; without, each line comes one --period after the last. A \
-first line that is the header `position_m` or `t_s,position_m` gets no answer, and decides in place of \
---time. A line that is not a sample is answered by 0 and a message on standard error, and the pipe \
-lives on; where every line was one of these it ends with exit code 5. So is a line whose time does not come after that of the line before; the clock goes on from \
-there. Numbers of another count than was asked for, and a motion that no hand makes, end the pipe with \
-exit code 3: a decimal comma or another unit must not move a motor.
+With --time, the measured period is used; without it, lines are one --period apart. A header `position_m` or \
+`t_s,position_m` in the first line gets no answer and overrides --time. A line that is not a sample is \
+answered by 0 and a message on standard error, and the pipe continues; if every line is one of these, the exit \
+code is 5. A line whose time does not increase is treated in the same way, and time continues from there. A \
+wrong number of columns or an implausible motion ends the pipe with exit code 3: a decimal comma or another \
+unit must not move a motor.
 
-A line `set stiffness_n_per_m=800 mass_kg=0.2 virtual_force_n=-1`, with any of the three, changes them \
-while the pipe runs, over 0.1 s. It gets no line on standard output; standard error says that it is \
-taken, or why not, and then nothing changes.
+A line `set stiffness_n_per_m=800 mass_kg=0.2 virtual_force_n=-1`, with any of the three, changes them while \
+the pipe runs, over 0.1 s. It gets no line on standard output. Standard error confirms the change, or gives \
+the reason why nothing changes.
 
---delay says how many periods after its line a force really acts, --lag and --gain what the actuator makes of \
-it; each line gets at once the command that the actuator is to get. When the input ends, a summary of the energy ledger goes to standard error.")]
+--delay is the number of periods from a line to the beginning of its force, --lag and --gain describe the \
+actuator; each line is answered at once by the command for the actuator. When the input ends, a summary of the \
+energy ledger goes to standard error.")]
     #[command(after_help = "\
 Examples:
   my-device | palpate pipe --stiffness 400 --mass 0.1 --period 0.001 --device-mass 0.2
@@ -186,19 +185,19 @@ palpate calibrate --device <NAME> [OPTIONS]
 Measure mass, delay, lag and friction of a device in its loop.
 
 Hold the device as in use. A force of at most --largest-force pushes it to and fro in steps of 5 to 15 ms, \
-within --box of where it starts. The first 0.5 s are without force, the force comes in and goes out over \
-0.3 s, and the last force is 0. A fit of the motion then says the effective mass, the delay from a sample \
-to its force, the lag of the motor, friction, hand, first resonance and sensor, each with its standard \
-deviation. --out writes them as a device file.
+within --box of its start position. The first 0.5 s are without force, the force ramps up and down over 0.3 s, \
+and the last force is 0. A fit of the motion then estimates the effective mass, the delay from a sample to its \
+force, the lag of the motor, friction, hand, first resonance and sensor, each with its standard deviation. \
+--out writes them as a device file.
 
-With --pipe, each line of standard input is a position in metres, or with --time a time and a position. \
-Each is answered by one line on standard output, flushed at once: the force ON THE DEVICE in newtons, to be \
-commanded to the motor as it is and held until the next line. After --seconds of samples the command ends \
-by itself; the answer to the last sample is 0. Where the input, a signal or the device ends it earlier, one \
-more line takes the force off.
+With --pipe, each line of standard input is a position in metres, or with --time a time and a position. Each \
+is answered by one line on standard output, flushed at once: the force ON THE DEVICE in newtons. Command it to \
+the motor unchanged and hold it until the next line. After --seconds of samples the command ends; the answer \
+to the last sample is 0. If the input, a signal or the device ends it earlier, one more line sets the force to \
+0.
 
-The command declines with exit code 6, and writes nothing, where the device leaves the box, the hand moves \
-too much, friction is near to the force, or the motion says too little.")]
+The command fails with exit code 6 and writes nothing if the device leaves the box, the hand moves too much, \
+friction is close to the force, or the motion does not determine the values.")]
     #[command(after_help = "\
 Examples:
   my-device | palpate calibrate --pipe --period 0.001 --out device.toml
@@ -209,13 +208,12 @@ Examples:
     #[command(long_about = "\
 Run a loop in real time, on a device.
 
-A thread of its own wakes at absolute deadlines, reads the device, renders, and commands what safety \
-lets through: it is the first to be served if the machine grants that, and says so if not. Ctrl-C \
-ends it; whatever ends it, the device is commanded no force, and while the thread does not answer a \
-supervisor does that. For a device that holds its last force a watchdog, a process of its own, does that \
-if this one is killed or stopped. A deadline that is missed is counted and skipped, and the renderer is told the \
-time that really passed. Flags change values of the scene. A world (format = 2) is rendered on one device \
-with up to three axes; docs/worlds.md says where the device stands in it.")]
+A separate thread wakes at absolute deadlines, reads the device, renders, and commands the force within the \
+safety limits. It requests real-time priority, and a warning reports a refusal. Ctrl-C ends it. At every end \
+the commanded force is 0; a supervisor commands it if the thread does not respond. For a device that holds its \
+last force, a watchdog process does so if this process is killed or stopped. Missed deadlines are counted and \
+skipped, and the renderer uses the elapsed time. Flags override values of the scene. A world (format = 2) is \
+rendered on devices with up to three axes; docs/worlds.md describes their frames.")]
     #[command(after_help = "\
 Examples:
   palpate run experiments/experiment1.toml --device simulated --duration 3
@@ -228,9 +226,9 @@ Examples:
     #[command(long_about = "\
 Run a loop in real time and record every tick of it.
 
-As `run`, with a recording: the loop never waits for the disk, what could not be written is missing \
-by its number and said in the end, and what was written survives whatever ends the program. While it \
-is made it is called NAME.part.")]
+As `run`, with a recording. The loop never waits for the disk. Ticks that could not be written are missing \
+from the numbering and reported at the end. Written data survive every end of the program. During recording \
+the file is called NAME.part.")]
     #[command(after_help = "\
 Examples:
   palpate record experiments/experiment1.toml falls.mcap --duration 2
@@ -242,15 +240,14 @@ Examples:
     #[command(long_about = "\
 Run a loop and serve a live page on it.
 
-The page shows device, object, force and energy as they are, leads the hand with the mouse, changes \
-stiffness, mass, weight, rate and method while the loop runs, and records. Two methods are two loops \
-side by side, in the same hand. Without a scene it is a light block that lies on the device by its \
-weight at 100 Hz, by the plain spring force and by coupled rendering. A world (format = 2) is shown in three \
-dimensions.
+The page shows device, object, force and energy, moves the hand with the mouse, changes stiffness, mass, \
+weight, rate and method while the loop runs, and records. Two methods run in two loops side by side, in the \
+same hand. The default scene is a light block that rests on the device at 100 Hz, rendered by the plain spring \
+force and by coupled rendering. A world (format = 2) is shown in three dimensions.
 
-Only this machine can look, and no page of another server. With --listen on another address whoever \
-has the printed token can look, and move the device. Ctrl-C ends it; whatever ends it, the device is \
-commanded no force. docs/live-view.md has the rest.")]
+Only pages of this server, opened on this machine, have access. With --listen on another address, anyone with \
+the printed token can watch and move the device. Ctrl-C ends it; at every end the commanded force is 0. See \
+docs/live-view.md.")]
     #[command(after_help = "\
 Examples:
   palpate live
@@ -264,8 +261,8 @@ Examples:
 palpate devices [OPTIONS]
        palpate devices check haply-2diy --move [OPTIONS]")]
     #[command(long_about = "\
-List the devices that are here, with what opens them, or check the wiring of one. Serial ports come with what they say of themselves over USB, the likeliest first. Nothing is sent to \
-any of them.")]
+List the available devices with the flags that open them, or check the wiring of one. Serial ports are listed \
+with their USB descriptions, the most likely first. Nothing is sent to them.")]
     #[command(after_help = "\
 Examples:
   palpate devices
@@ -276,10 +273,10 @@ Examples:
 palpate emulate haply-2diy [OPTIONS]
        palpate emulate inverse3 [OPTIONS]")]
     #[command(long_about = "\
-Emulate a device, to try without one.
+Emulate a device for trials without hardware.
 
-What is printed on standard output is where to open it: `palpate run SCENE.toml --device haply-2diy \
---port PATH`, or `--device inverse3 --service URL`. It moves in real time until ctrl-C.")]
+Standard output is the address: `palpate run SCENE.toml --device haply-2diy --port PATH`, or `--device \
+inverse3 --service URL`, opens it. It moves in real time until ctrl-C.")]
     #[command(after_help = "\
 Examples:
   palpate emulate haply-2diy --duration 1
@@ -292,11 +289,10 @@ Examples:
     Watchdog,
     /// Report the real-time properties of this machine, and try a loop
     #[command(long_about = "\
-Ask what this machine grants a loop, and try one.
+Report the real-time properties of this machine, and try a loop.
 
-What is asked for is looked up afterwards where the kernel keeps it: granted is what is, not what a \
-call returned. What is refused comes with what can be done about it. No hard bound follows from any \
-of it.")]
+After each request, the granted value is read back from the kernel. A refused request is listed with its \
+remedy. The results do not imply a hard bound.")]
     #[command(after_help = "\
 Examples:
   palpate doctor
@@ -310,12 +306,12 @@ Examples:
     Bench(BenchArguments),
     /// Describe the contents of a recording, and its gaps
     #[command(long_about = "\
-Say what is in a recording, and what is missing from it.
+Describe the contents of a recording, and its gaps.
 
-A recording is an MCAP file that a loop with a device has written; one that was cut off, or that is \
-being written (NAME.part), is read as far as it goes. Lost ticks are counted from the numbers of \
-those that are there and from what the loop itself has counted, and no chunk is believed whose checksum \
-does not fit. Chunks in lz4 and zstd, as other tools write them, are read as well.")]
+A recording is an MCAP file written by a loop with a device. A truncated recording, or one that is being \
+written (NAME.part), is read as far as possible. Lost ticks are counted from the tick numbers and from the \
+loop's own counters. Chunks with a wrong checksum are rejected. Chunks in lz4 and zstd, as written by other \
+tools, are supported.")]
     #[command(after_help = "\
 Examples:
   palpate info tap.mcap
@@ -324,10 +320,10 @@ Examples:
     Info(InfoArguments),
     /// Write a recording as a table
     #[command(long_about = "\
-Write a recording as a table: one line per tick, and one per event in a table of their own.
+Write a recording as a table: one line per tick; events go to a separate table, one line each.
 
-What is missing from the recording is said on standard error, in the table's metadata, and by exit \
-code 4; the table is written all the same.")]
+Gaps of the recording are reported on standard error, in the table's metadata, and by exit code 4; the table \
+is written nevertheless.")]
     #[command(after_help = "\
 Examples:
   palpate convert tap.mcap
@@ -338,21 +334,21 @@ Examples:
     #[command(long_about = "\
 Render a recording by another method.
 
-Contact, loop, settings and device are those of the scene in the recording's metadata; flags change \
-them. The object starts as it was at the first tick. What was recorded is drawn beside the methods.
+Contact, loop, settings and device are those of the scene in the recording's metadata; flags override them. \
+The object starts in its state at the first tick. The recorded loop is drawn beside the methods.
 
-Motion replay, the default: the device goes where it went, when it went there, whatever the force. That tells \
-the force law on real motion and the energy it would have leaked, not how the hand would have \
-answered.
+Motion replay, the default: the device follows the recorded motion at the recorded times, regardless of the \
+force. This shows the force law on real motion and the energy that it would have leaked, but not the reaction \
+of the hand.
 
-Hand replay, --replay hand: the force of the hand is estimated from the motion and from the force that \
-was sent, and the loop is closed again: the device moves under that hand and the new force, sampled \
-when it was. The device has the mass of the scene's, or --device-mass. Ticks without a position and \
-ticks that were lost are bridged; the force is less well known there, and a stretch longer than \
---largest-gap is refused. The report says how well the hand is known. Nothing in a recording says what \
-the hand would have done elsewhere. It is taken to hold on to its motion with --hand-stiffness and \
---hand-damping; with 0 for both, its force stays what it was. What carries even the ideal device 1 m \
-away is refused. Times count from the first position.")]
+Hand replay, --replay hand: the force of the hand is estimated from the motion and from the sent force, and \
+the loop is closed again: the device moves under that hand and the new force, sampled at the recorded times. \
+The device has the mass of the scene's, or --device-mass. Lost ticks and ticks without a position are bridged \
+with lower accuracy; a gap longer than --largest-gap is rejected. The report gives the accuracy of the \
+estimate. The recording does not determine the hand's reaction to another motion: a spring of --hand-stiffness \
+and --hand-damping connects the hand to its recorded motion. With 0 for both, its force stays the recorded \
+one. A replay in which even the ideal force moves the device 1 m away is rejected. Times count from the first \
+position.")]
     #[command(after_help = "\
 Examples:
   palpate replay tap.mcap --method hfcr
@@ -366,20 +362,20 @@ Examples:
 palpate report [RECORDING.mcap]... [--device-file <FILE.toml>] --out <PAGE.html> [OPTIONS]
        palpate report --device <NAME> [--device-file <FILE.toml>] --out <PAGE.html> [OPTIONS]")]
     #[command(long_about = "\
-Write a page about a device: its timing, its calibration, what can be rendered, a contact, warnings.
+Write a page about a device: its timing, calibration, renderable contacts, a contact, warnings.
 
-The page is one file (HTML) without scripts and without a network: send it as it is, read it on a phone, \
-print it on two sheets of A4. Everything on it comes from recordings, from a calibrated device file, or \
-from a simulation with their numbers, and the page says which. Each warning has a remedy.
+The page is one HTML file without scripts or network access, readable on a phone and printable on two sheets \
+of A4. Its contents come from recordings, from a calibrated device file, or from a simulation with their \
+values, and the page names the source of each. Each warning has a remedy.
 
-With --device, a short session is recorded first, as `palpate record` does, with the same safety, \
-supervisor and watchdog; 5 s unless --duration says otherwise. The force comes on when the device is moved into \
-the wall at 0, or into what the --scene has. The recording stays beside the page.
+With --device, a short session is recorded first, as `palpate record` does, with the same safety, supervisor \
+and watchdog; 5 s unless --duration is given. Move the device into the wall at 0, or into the object of the \
+--scene, to feel the force. The recording stays beside the page.
 
-What can be rendered is a coarse map with the mass, period, delay, lag, gain, friction and sensor of this \
-device. On a terminal a bar shows the part of the work, the steps that are done and the time; elsewhere a line on standard \
-error does, after 30 s and whenever the time has doubled. The page says what was computed, its resolution, and how long \
-it took.")]
+Renderable contacts are a coarse map with the mass, period, delay, lag, gain, friction and sensor of this \
+device. On a terminal a bar shows the current part, the completed steps and the time; otherwise lines on \
+standard error do, after 30 s and whenever the time has doubled. The page gives the resolution and the \
+computing time.")]
     #[command(after_help = "\
 Examples:
   palpate report tap.mcap --out device.html
@@ -389,15 +385,15 @@ Examples:
     Report(Box<ReportArguments>),
     /// Find the best damping of a method for a scene, and draw the whole curve
     #[command(long_about = "\
-Find the damping of a method that suits a scene, and draw the whole curve.
+Find the best damping of a method for a scene, and draw the whole curve.
 
-What is varied is B of virtual-damper, b of hfcr, or the cap of popc and popc-ref. Each value is \
-simulated from 21 start heights around the scene's own (the gap changed by up to 5 %), since a \
-value that is best at one height may be bad at the next; the best is the one of least median. The flag of the damping that is looked for \
-has no place here; --from and --to say where to look.
+The varied setting is B of virtual-damper, b of hfcr, or the cap of popc and popc-ref. Each value is simulated \
+from 21 start heights around the scene's (the gap changes by up to 5 %), because the best value at one height \
+can be bad at the next; the best value has the smallest median. --from and --to set the range; the flag of the \
+varied damping is rejected.
 
-On a world it is the damping of virtual-damper, virtual-coupling or god-object, for the latter two with \
-each of several couplings, judged on the scene as it is.")]
+On a world, the varied setting is the damping of virtual-damper, virtual-coupling or god-object, for the \
+latter two with each of several couplings, evaluated on the unchanged scene.")]
     #[command(after_help = "\
 Examples:
   palpate tune experiments/fig2.toml --method virtual-damper --plot damper.svg
@@ -407,20 +403,18 @@ Examples:
     Tune(TuneArguments),
     /// Evaluate methods on random plants
     #[command(long_about = "\
-Judge methods on plants drawn at random.
+Evaluate methods on random plants.
 
-Device, hand, object, loop and sensor are drawn over the whole range that desktop devices have; \
-docs/suite.md says how. Each plant is simulated over its first three collisions by every method \
-with its default settings, without delay and with one sample of it, which the renderer models or not, and judged against the ideal \
-of the same plant. The same seed gives the same plants for ever, and plant i is the same whatever \
-the number of plants; so is every digit of the results, whatever the number of threads \
-(RAYON_NUM_THREADS).
+Device, hand, object, loop and sensor are drawn over the whole range of desktop devices; see docs/suite.md. \
+Each plant is simulated over its first three collisions by every method with its default settings, without \
+delay and with a modelled or unmodelled delay of one sample, and evaluated against the ideal of the same \
+plant. The same seed gives the same plants in every version, and plant i does not depend on the number of \
+plants. The results do not depend on the number of threads (RAYON_NUM_THREADS), to the last digit.
 
---columns names variants of methods to compare: a TOML file with a table for each, its name that \
-of the column, with `method` and the settings that scenes have under [methods.NAME]. In place of a \
-damping may stand a list of dampings, or `damping_over_k_t`, one number or a list: of a list the one \
-that is best on each plant counts, which is found with knowledge of the ideal. A column may have a \
-`guard`, too.")]
+--columns defines variants of methods to compare: a TOML file with one table per column, named like the \
+column, with `method` and the settings of [methods.NAME] in scenes. A damping can be a list, or \
+`damping_over_k_t`, one number or a list. The best value of a list on each plant counts, which requires \
+knowledge of the ideal. A column can have a `guard`.")]
     #[command(after_help = "\
 Examples:
   palpate suite --plants 40 --seeds 7
@@ -429,11 +423,10 @@ Examples:
     Suite(SuiteArguments),
     /// Evaluate methods on scenes from 21 start heights
     #[command(long_about = "\
-Judge methods on scenes from 21 start heights.
+Evaluate methods on scenes from 21 start heights.
 
-The gap between device and object is changed by up to 5 %: an error that holds at one height only \
-is an accident. --model-mass-factor tells the renderer a wrong mass of the device. Settings are the \
-scene's.")]
+The gap between device and object changes by up to 5 %, because an error at a single height can be a \
+coincidence. --model-mass-factor gives the renderer a wrong mass of the device. Settings are the scene's.")]
     #[command(after_help = "\
 Examples:
   palpate heights experiments/fig2.toml experiments/experiment1.toml --model-mass-factor 1.5
@@ -443,9 +436,9 @@ Examples:
     #[command(override_usage = "\
 palpate sweep <SCENE.toml> --over <QUANTITY> --values <NUMBERS> [OPTIONS]")]
     #[command(long_about = "\
-Vary one quantity of a scene, and see what each method does.
+Vary one quantity of a scene, and show the effect on each method.
 
-For each value, the scene runs in closed loop and is judged against the ideal of that value. The column \
+For each value, the scene runs in closed loop and is evaluated against the ideal of that value. The column \
 `rebound` is the largest energy of a rebound, divided by the energy of the ideal's first rebound. Up to 1.1 \
 the bounce is stable, up to 2 almost stable, above that unstable. `diverged` is as in `simulate`.")]
     #[command(after_help = "\
@@ -458,8 +451,8 @@ Examples:
     #[command(long_about = "\
 Check the numbers that the paper claims.
 
-Each claim is computed anew on the scenes of experiments/, with what it takes for the claim to hold. A \
-claim that does not hold here is no fault of this program: the exit code is 0.")]
+Each claim is recomputed on the scenes of experiments/, and listed with its criterion. A claim that does not \
+hold here is not a failure of this program: the exit code is 0.")]
     #[command(after_help = "\
 Example:
   palpate claims")]
@@ -468,11 +461,10 @@ Example:
     #[command(long_about = "\
 Map which stiffness and mass each method can render.
 
-Each cell is a scene of its own: an object that bounces on the device, with kappa = K T²/m and \
-Kc = K T²/M from 0.001 to 10, from 16 start heights, by every method, on a device without friction \
-and on one with. What is mapped is the growth of the bounce's energy per collision, and how near \
-the force comes to the ideal's. Ctrl-C keeps what is done; --resume goes on with it. Any part can \
-be computed by itself, on any machine.")]
+Each cell is a separate scene: an object that bounces on the device, with kappa = K T²/m and Kc = K T²/M from \
+0.001 to 10, from 16 start heights, by every method, on a device with and without friction. The map contains \
+the growth of the bounce energy per collision, and the deviation of the force from the ideal's. Ctrl-C keeps \
+completed cells; --resume continues. Parts can be computed separately, on any machine.")]
     #[command(after_help = "\
 Examples:
   palpate map --cells 9
@@ -483,12 +475,12 @@ Examples:
     #[command(override_usage = "\
 palpate advise --device-mass <kg> --period <s> [OPTIONS]")]
     #[command(long_about = "\
-Ask whether a device can render a contact, and by which method.
+Report whether a device can render a contact, and by which method.
 
-Answers in words, then in tables: what each method does with the stiffness and the mass you would \
-like, with which damping, and how stiff and how light it can go on this device. It is the map's own \
-scene, an object that bounces on the device in a hand without damping, searched along stiffness \
-and mass. Classical bounds of walls stand below.")]
+The answer is a text followed by tables: the behaviour of each method with the desired stiffness and mass, the \
+best damping, and the largest stiffness and smallest mass on this device. The scene is that of the map, an \
+object that bounces on the device in a hand without damping, searched along stiffness and mass. Classical \
+bounds of walls follow below.")]
     #[command(after_help = "\
 Examples:
   palpate advise --device-mass 0.3 --period 0.002 --stiffness 2000 --mass 0.05

@@ -5,9 +5,9 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::process::ExitCode;
 
+use palpate_plot::map::NotInTheMap;
 use palpate_record::files::atomic::{WriteError, WriteFault};
 use palpate_record::files::outputs::OutputError;
-use palpate_plot::map::NotInTheMap;
 use palpate_scene::SceneError;
 use palpate_study::map::metadata::NoNumber;
 use palpate_study::recording::PutSceneError;
@@ -93,7 +93,7 @@ impl From<PutSceneError> for Failure {
 
 impl Failure {
     /// Adds the name of one of several items before the message.
-    pub fn of(self, name: &str) -> Self {
+    pub fn new(self, name: &str) -> Self {
         let of = |message: String| format!("{name}: {message}");
         match self {
             Self::System(message) => Self::System(of(message)),
@@ -145,7 +145,7 @@ impl Failure {
                 let messages: Vec<_> = faults.iter().map(|fault| fault.message.as_str()).collect();
                 messages.join("\n")
             }
-            Self::NotWhole => "a recording is not whole".to_owned(),
+            Self::NotWhole => "a recording is incomplete".to_owned(),
         }
     }
 

@@ -29,7 +29,7 @@ pub fn at_start(setup: &ReplaySetup, position: f64, is_unit_given: bool) -> Opti
     };
     let unit = if depth > DEEP && !is_unit_given {
         let unit = LengthUnit::Millimetre;
-        format!(", or say its unit (--unit {unit})")
+        format!(", or set its unit (--unit {unit})")
     } else {
         String::new()
     };
@@ -47,8 +47,8 @@ pub fn deep(depth: f64, is_unit_given: bool) -> Option<String> {
     (depth > DEEP_FOR_A_MOTION && !is_unit_given).then(|| {
         let unit = LengthUnit::Millimetre;
         format!(
-            "the recorded motion gets {} m deep into what it touches; is the unit {unit}? --unit {unit} takes it so, and \
-             --unit m says that metres are right",
+            "the recorded motion penetrates an object by {} m; if the positions are in {unit}, pass --unit {unit}; if \
+             they are in metres, pass --unit m",
             digits(depth)
         )
     })
@@ -66,10 +66,10 @@ pub fn check_motion(
         && let Some(spacing) = Spacing::implausible(times)
     {
         let take = spacing.likely_unit().map_or_else(String::new, |unit| {
-            format!("--time-unit {unit} takes it so, and ")
+            format!("If so, pass --time-unit {unit}; ")
         });
         return Err(Failure::input(format!(
-            "{name}: {spacing}{} {take}--time-unit s says that seconds are right",
+            "{name}: {spacing}{} {take}if the times are in seconds, pass --time-unit s",
             if take.is_empty() { ";" } else { "" }
         )));
     }
@@ -97,8 +97,8 @@ pub fn check_start(
     }
     let unit = LengthUnit::Millimetre;
     Err(Failure::input(format!(
-        "{name}: the motion of {device} begins {} m from its place in the scene; is the unit {unit}? --unit {unit} takes it \
-         so, and --unit m says that metres are right",
+        "{name}: the motion of {device} begins {} m from its position in the scene; if the positions are in {unit}, \
+         pass --unit {unit}; if they are in metres, pass --unit m",
         digits(apart)
     )))
 }
@@ -115,7 +115,7 @@ pub fn excess(times: &[f64], positions: &[f64]) -> Option<Excess> {
 /// Returns the message for an implausible motion, with the remedy.
 pub fn not_a_hand(excess: &Excess) -> String {
     format!(
-        "{excess} --unit {} takes it so, and --unit m says that metres are right",
+        "{excess} If so, pass --unit {}; if the positions are in metres, pass --unit m",
         excess.likely_unit()
     )
 }

@@ -144,7 +144,7 @@ fn picture_format(path: &Path) -> Result<PictureFormat, Failure> {
             path.display()
         ))),
         _ => Err(Failure::Arguments(format!(
-            "{}: the name of a figure ends in .svg, .pdf or .png",
+            "{}: the name of a figure must end in .svg, .pdf or .png",
             path.display()
         ))),
     }
@@ -162,7 +162,7 @@ impl PlotFlags {
         match &self.plot {
             Some(path) => plan_picture(outputs, "--plot", path),
             None if self.size.size.is_some() => Err(Failure::Arguments(
-                "--size is that of a figure; name its file with --plot".into(),
+                "--size is for a figure; name its file with --plot".into(),
             )),
             None => Ok(()),
         }
@@ -205,7 +205,7 @@ impl TimeFlags {
             return Ok(());
         }
         Err(Failure::Arguments(
-            "--plot-from and --plot-to are of a figure; name its file with --plot".into(),
+            "--plot-from and --plot-to are for a figure; name its file with --plot".into(),
         ))
     }
 

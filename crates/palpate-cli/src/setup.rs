@@ -28,7 +28,8 @@ impl TimingFlags {
         if let Some(given) = self.delay_fraction {
             let Delay::Periods { fraction, .. } = &mut scene.delay else {
                 return Err(Failure::Arguments(format!(
-                    "--delay-fraction {given}: the delay is {} s; a fraction comes on top of whole samples, as of `--delay 1`",
+                    "--delay-fraction {given}: the delay is {} s; a fraction requires a delay in whole samples, such \
+                     as `--delay 1`",
                     scene.delay.seconds()
                 )));
             };
@@ -92,7 +93,7 @@ impl Flags {
                 && let Some((second, other)) = said.find(|(second, _)| *second != first)
             {
                 return Err(Failure::Arguments(format!(
-                    "{flag} means two things: of {one} {}, of {other} {}; name one of them with --method",
+                    "{flag} has two meanings: for {one} {}, for {other} {}; name one of them with --method",
                     first.help, second.help
                 )));
             }
@@ -133,8 +134,7 @@ impl Flags {
             return Ok(());
         }
         Err(Failure::Arguments(format!(
-            "--model-device-mass is for simulate and tune; what {command} tells the renderer is \
-             --device-mass"
+            "--model-device-mass is for simulate and tune; the model value of {command} is --device-mass"
         )))
     }
 
@@ -269,7 +269,7 @@ impl Flags {
         if let Some(given) = self.device_mass {
             let Some(mass) = scene.device.mass_mut() else {
                 let message =
-                    "--device-mass: a recorded hand has moved a device whose mass it states";
+                    "--device-mass: the recorded hand of the scene defines the device mass";
                 return Err(Failure::Arguments(message.into()));
             };
             *mass = given;

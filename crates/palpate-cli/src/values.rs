@@ -277,7 +277,8 @@ pub fn world_axes(text: &str) -> Result<WorldAxes, String> {
         (1..=3).contains(&axes.len()) && axes.iter().enumerate().all(is_new)
     })
     .map(WorldAxes)
-    .ok_or_else(|| "one to three of x, y and z are needed, each once, with commas between and - before one that points the other way, such as x,-z".into())
+    .ok_or_else(|| "one to three of x, y and z are needed, each once, with commas between and - for the opposite \
+         direction, such as x,-z".into())
 }
 
 /// Boards of the 2DIY.
@@ -334,7 +335,7 @@ pub fn duration(flag: &str, seconds: f64) -> Result<Duration, Failure> {
 /// Explains a number of seconds that is not a valid time.
 pub fn no_time(flag: &str, seconds: f64) -> Failure {
     Failure::Arguments(format!(
-        "{flag}: {seconds} s is no time; allowed: 0 to 1e19"
+        "{flag}: {seconds} s is out of range; allowed: 0 to 1e19"
     ))
 }
 

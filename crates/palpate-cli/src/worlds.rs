@@ -14,7 +14,7 @@ pub fn only(given: &Given, known: &[&str], path: &Path) -> Result<(), Failure> {
         return Ok(());
     };
     Err(Failure::Arguments(format!(
-        "{flag}: {} is a world, whose file says what is rendered; beside it stand {}",
+        "{flag}: {} is a world, whose file defines the rendering; allowed flags: {}",
         path.display(),
         known
             .iter()
@@ -59,7 +59,7 @@ pub fn one_method<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Result<&'a str
     match methods(flags, scene)[..] {
         [method] => Ok(method),
         _ => Err(Failure::Arguments(
-            "--method: here a world is rendered by one method; name it".into(),
+            "--method: this command renders a world with one method; name it".into(),
         )),
     }
 }

@@ -108,7 +108,7 @@ impl<C: Clock> Device for ScriptedDevice<C> {
                 };
             }
             Step::Stale => {}
-            Step::Fails(kind) => return Err(DeviceError::new(kind, "so the script says")),
+            Step::Fails(kind) => return Err(DeviceError::new(kind, "scripted fault")),
         }
         Ok(self.last)
     }
@@ -119,10 +119,9 @@ impl<C: Clock> Device for ScriptedDevice<C> {
         }
         let now = self.next.saturating_sub(1);
         match self.script.get(now).or(self.script.last()) {
-            Some(Step::RefusesForce(_)) => Err(DeviceError::new(
-                DeviceErrorKind::Refused,
-                "so the script says",
-            )),
+            Some(Step::RefusesForce(_)) => {
+                Err(DeviceError::new(DeviceErrorKind::Refused, "scripted fault"))
+            }
             _ => Ok(wrench),
         }
     }

@@ -26,20 +26,20 @@ pub struct Pen {
 
 impl Pen {
     /// Outlines of bodies.
-    pub const BODY: Self = Self::of("#111111", 1.8);
+    pub const BODY: Self = Self::new("#111111", 1.8);
     /// Dimension lines and axes.
-    pub const THIN: Self = Self::of("#555555", 1.0);
+    pub const THIN: Self = Self::new("#555555", 1.0);
     /// Auxiliary lines.
     pub const THOUGHT: Self = Self {
         dashes: &[5.0, 3.5],
         ..Self::THIN
     };
     /// Forces.
-    pub const FORCE: Self = Self::of("#d55e00", 2.4);
+    pub const FORCE: Self = Self::new("#d55e00", 2.4);
     /// Motions and their dimensions.
-    pub const MOTION: Self = Self::of("#0072b2", 1.4);
+    pub const MOTION: Self = Self::new("#0072b2", 1.4);
 
-    const fn of(colour: &'static str, width: f64) -> Self {
+    const fn new(colour: &'static str, width: f64) -> Self {
         Self {
             colour,
             width,

@@ -32,7 +32,7 @@ export class Chooser {
     input.disabled = !isEnabled;
     input.addEventListener("change", () => this.hand.choose(choice));
     const label = document.createElement("label");
-    label.title = isEnabled ? `key ${choice === ALL ? 0 : choice + 1}` : "this device is not led from here";
+    label.title = isEnabled ? `key ${choice === ALL ? 0 : choice + 1}` : "this device cannot be moved from the page";
     label.append(input, text);
     return label;
   }

@@ -4,9 +4,9 @@ const FORMAT = "palpate_live_1";
 const ROWS_AT_ONCE = 4000;
 
 const ABOUT_ROWS =
-  "grouped 0: the row is a tick. grouped 1: the loop is faster than 1 kHz, ticks were taken together in groups of at " +
-  "least 2 ms, and a row holds of each column by itself the least or the greatest value of a group, in the order in " +
-  "which they came; values of one row need not belong to one instant. settings: index into the list of settings.";
+  "grouped 0: the row is a tick. grouped 1: the loop is faster than 1 kHz; ticks are grouped over at least 2 ms. " +
+  "Each column of a row holds the minimum or maximum of its group, in the order of time; the values of a row may " +
+  "belong to different instants. settings: index into the list of settings.";
 
 /** A value as its column prints it: the fewest digits that read back to the same 32-bit number. */
 export function shortest(value) {

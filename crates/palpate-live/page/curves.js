@@ -47,7 +47,7 @@ export const CHARTS = [
       { column: "stored_energy_j", name: "stored", dash: SOLID },
       { column: "port_work_j", name: "port work", dash: DASHED },
       { column: "virtual_force_work_j", name: "virtual force", dash: DOTTED },
-      { column: "outside_work_j", name: "by changes", dash: BOTH },
+      { column: "outside_work_j", name: "changes", dash: BOTH },
     ],
   },
   {
@@ -69,7 +69,7 @@ export const CHARTS = [
     range: { least: 1e-5 },
     curves: [
       { column: "lateness_s", name: "woken late", dash: SOLID },
-      { column: "tick_duration_s", name: "tick took", dash: DOTTED },
+      { column: "tick_duration_s", name: "tick duration", dash: DOTTED },
     ],
   },
 ];

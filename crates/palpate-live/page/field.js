@@ -82,7 +82,7 @@ export class Field {
     }
     const value = this.how.read(text);
     if (value === null || !Number.isFinite(value)) {
-      this.refuse(text === "" ? "a number is needed" : `“${text}” is no number`);
+      this.refuse(text === "" ? "enter a number" : `“${text}” is not a number`);
       return;
     }
     const said = this.how.says(value);

@@ -141,7 +141,7 @@ export class Hand {
     attribute(this.place, "aria-valuemin", millimetres(this.within(axis.lowM)));
     attribute(this.place, "aria-valuemax", millimetres(this.within(axis.highM)));
     attribute(this.place, "aria-valuenow", millimetres(at ?? this.fromM));
-    attribute(this.place, "aria-valuetext", at === null ? "let go" : `${millimetres(at)} millimetres`);
+    attribute(this.place, "aria-valuetext", at === null ? "released" : `${millimetres(at)} millimetres`);
   }
 }
 

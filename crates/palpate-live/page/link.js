@@ -87,7 +87,7 @@ export class Link {
         clearInterval(watch);
         this.socket = null;
         socket.close();
-        this.lost(true, "it has been silent for 4 s");
+        this.lost(true, "no message for 4 s");
       }
     }, 500);
   }
@@ -96,7 +96,7 @@ export class Link {
     const wait = waitMs(this.tries);
     this.tries += 1;
     this.timer = setTimeout(() => this.open(), wait);
-    this.heard.lost(reason || (opened ? "it has closed the connection" : "it does not answer"), wait);
+    this.heard.lost(reason || (opened ? "the connection was closed" : "no answer"), wait);
     if (!opened) {
       const why = await this.whyRefused();
       if (why && !this.isOpen) {
@@ -108,10 +108,10 @@ export class Link {
   /** A browser does not tell why a WebSocket was refused; a request to the same address does. */
   async whyRefused() {
     const reasons = {
-      401: "it asks for another token: open the address that it has printed",
-      403: "it does not take this page's origin",
-      421: "it does not answer to this name; start it with --allow-host",
-      503: "it serves as many clients as it can",
+      401: "the token is missing or wrong: open the address that the server has printed",
+      403: "this page's origin is not allowed",
+      421: "this host name is not allowed; start the server with --allow-host",
+      503: "the limit of clients is reached",
     };
     try {
       return reasons[(await fetch(this.path, { cache: "no-store" })).status];

@@ -104,8 +104,8 @@ function build() {
   toolbar.take();
   place("let-go").hidden = !device.pointer;
   place("keys").textContent = device.pointer
-    ? "Drag to move the hand, or use the arrow keys; Escape lets go."
-    : `${device.name}: this device is not led from here.`;
+    ? "Drag to move the hand, or use the arrow keys; Escape releases it."
+    : `${device.name}: this device cannot be moved from the page.`;
 }
 
 model.addEventListener("state", () => {

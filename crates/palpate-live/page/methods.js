@@ -30,8 +30,8 @@ export class Methods {
       this.both = document.createElement("input");
       this.both.type = "checkbox";
       this.both.id = "second-lane";
-      this.both.title = "A second lane, in the same hand";
-      this.both.setAttribute("aria-label", "Second lane, in the same hand");
+      this.both.title = "A second rendering, in the same hand";
+      this.both.setAttribute("aria-label", "Second rendering, in the same hand");
       this.both.addEventListener("change", () => this.toggle());
       this.lanes[1].head.append(this.both);
     }
@@ -44,7 +44,7 @@ export class Methods {
     root.className = `lane lane-${lane + 1}`;
     const label = document.createElement("label");
     label.htmlFor = `method-${lane + 1}`;
-    label.textContent = `Lane ${lane + 1}`;
+    label.textContent = `Rendering ${lane + 1}`;
     const select = document.createElement("select");
     select.id = `method-${lane + 1}`;
     select.append(
@@ -106,7 +106,7 @@ export class Methods {
       root.classList.toggle("off", !choice);
       select.disabled = !choice;
       if (!choice) {
-        about.textContent = "off; it would be rendered in the same hand";
+        about.textContent = "off; the second rendering of the same hand";
         damping.root.hidden = true;
         return;
       }

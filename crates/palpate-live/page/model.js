@@ -11,7 +11,7 @@ const CLOCKS_APART_S = 1;
 // In some browsers the first clock stops while the computer sleeps; the second may be adjusted.
 const CLOCKS = [() => performance.now() / 1000, () => Date.now() / 1000];
 // Of a loop that was over before this page came.
-const NOT_RUNNING = "Restart begins it anew";
+const NOT_RUNNING = "press Restart to start it again";
 
 export class Model extends EventTarget {
   /** @param {number} capacity rows of a lane @param {(() => number)[]} clocks seconds */
@@ -76,7 +76,7 @@ export class Model extends EventTarget {
 
   takeHello(hello) {
     if (hello.protocol !== PROTOCOL) {
-      throw new RangeError(`the server speaks protocol ${hello.protocol}, this page ${PROTOCOL}: load it again`);
+      throw new RangeError(`the server has protocol ${hello.protocol}, this page ${PROTOCOL}: reload the page`);
     }
     const isNew = JSON.stringify(hello) !== JSON.stringify(this.hello);
     this.hello = hello;

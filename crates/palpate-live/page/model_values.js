@@ -23,7 +23,7 @@ const SHOWN = {
 };
 
 const MEANS = {
-  model_device_mass_kg: "Mass of the device as the renderer is told",
+  model_device_mass_kg: "Device mass that the renderer assumes",
   model_delay_s: "Time from a sample to the beginning of its force",
   model_lag_s: "Time constant of the actuator, a first-order lag after the delay",
   model_gain: "Delivered over commanded force",

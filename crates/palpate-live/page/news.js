@@ -35,7 +35,7 @@ export class News {
   /** The server is gone; `again` opens the connection at once. */
   lost(why, waitMs, again) {
     const wait = waitMs < 1000 ? "at once" : `in ${Math.round(waitMs / 1000)} s`;
-    const text = `The server is gone: ${why}. The curves stay; trying again ${wait}.`;
+    const text = `The server is gone: ${why}. The curves are kept; retrying ${wait}.`;
     this.banners.show("lost", text, { label: "Try now", act: again });
     this.connection("lost", "not connected");
   }
@@ -47,7 +47,7 @@ export class News {
 
   wrong(error) {
     console.error(error);
-    this.banners.show("wrong", `What the server has said is not understood: ${error.message}.`);
+    this.banners.show("wrong", `Invalid message from the server: ${error.message}.`);
   }
 
   note({ lane, t_s, kind, text }) {

@@ -80,7 +80,7 @@ export function readSamples(bytes, columns) {
   const head = new DataView(bytes);
   const kind = head.getUint8(0);
   if (kind !== SAMPLES) {
-    throw new RangeError(`a frame of kind ${kind} is not known; ${SAMPLES} is samples`);
+    throw new RangeError(`unknown frame kind ${kind}; ${SAMPLES} is samples`);
   }
   const announced = head.getUint16(2, true);
   if (announced !== columns) {

@@ -11,10 +11,10 @@ export function safetyStopInWords({ method, safety_stop = null, safety_stop_meth
   }
   if (culprit === null) {
     // The device, the hand or the machine: no method is to blame.
-    return `Lane ${number}: no force, because ${safety_stop}.`;
+    return `Rendering ${number}: no force, because ${safety_stop}.`;
   }
   if (culprit === method) {
     return `${method}: no force, because ${safety_stop}.`;
   }
-  return `Lane ${number}: no force, because of ${culprit}, which rendered before: ${safety_stop}. ${method} renders now; Rearm lets the force come back.`;
+  return `Rendering ${number}: no force, because of the previous method ${culprit}: ${safety_stop}. ${method} renders now; Rearm restores the force.`;
 }

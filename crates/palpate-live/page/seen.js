@@ -44,16 +44,16 @@ export function seenInWords(lanes) {
   const parts = lanes.map(({ method, createdJ }, i) => {
     const name = lanes.length > 1 ? `${PLACES[i]} (${method})` : method;
     if (Number.isNaN(createdJ)) {
-      return `${name}: not known`;
+      return `${name}: unknown`;
     }
     if (Math.abs(createdJ) < NONE_J) {
       return `${name} creates no energy`;
     }
     if (Math.abs(createdJ) < MIN_J) {
-      return `${name} ${createdJ > 0 ? "creates" : "takes"} less than 0.1 mJ of energy${createdJ > 0 ? "" : " away"}`;
+      return `${name} ${createdJ > 0 ? "creates" : "dissipates"} less than 0.1 mJ of energy`;
     }
     const size = quantity(Math.abs(createdJ), "J");
-    return createdJ > 0 ? `${name} creates ${size} of energy` : `${name} takes ${size} of energy away`;
+    return createdJ > 0 ? `${name} creates ${size} of energy` : `${name} dissipates ${size} of energy`;
   });
   return `${parts.join("; ")} (last ${seconds} s).`;
 }

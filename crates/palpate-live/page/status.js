@@ -16,13 +16,13 @@ export function rate(before, after, lane) {
 }
 
 const COLUMNS = [
-  { title: "Rate", about: "ticks per second, really reached", of: (_, r) => (r === r ? `${digits(r, 4)} Hz` : "–") },
+  { title: "Rate", about: "measured ticks per second", of: (_, r) => (r === r ? `${digits(r, 4)} Hz` : "–") },
   { title: "Late, 99 %", about: "99 of 100 ticks began no later than this", of: (lane) => seconds(lane.lateness_s?.p99) },
   { title: "Tick, 99 %", about: "99 of 100 ticks took no longer than this", of: (lane) => seconds(lane.tick_s?.p99) },
-  { title: "Missed", about: "deadlines that were missed", of: (lane) => count(lane.missed_deadlines) },
-  { title: "No sample", about: "ticks without a fresh sample of the device", of: (lane) => count(lane.without_sample) },
-  { title: "Stop force", about: "times the supervisor commanded no force because the loop did not answer", of: (lane) => count(lane.supervisor_cuts) },
-  { title: "Not shown", about: "ticks that found no room on their way to this page; a recording has them", of: (lane) => count(lane.unmodelled) },
+  { title: "Missed", about: "missed deadlines", of: (lane) => count(lane.missed_deadlines) },
+  { title: "No sample", about: "ticks without a new sample of the device", of: (lane) => count(lane.without_sample) },
+  { title: "Stop force", about: "zero-force commands of the supervisor because the loop did not answer", of: (lane) => count(lane.supervisor_cuts) },
+  { title: "Not shown", about: "ticks dropped on the way to this page; recordings contain them", of: (lane) => count(lane.unsent) },
 ];
 
 export class Status {
@@ -70,7 +70,7 @@ export class Status {
     const { model, screenRate } = this;
     const parts = [
       // This page at least looks on.
-      `${counted(model.status?.clients ?? 1, "page")} looking on`,
+      `${counted(model.status?.clients ?? 1, "page")} connected`,
       `${counted(model.droppedFrames, "frame")} dropped on the way here`,
       Number.isNaN(screenRate) ? "" : `${counted(Math.round(screenRate), "picture")} per second`,
     ];
@@ -136,7 +136,7 @@ export function aboutBuffer(model, view) {
     return "";
   }
   const since = Math.max(0, model.newestS - view.edgeS);
-  const more = Number.isNaN(since) ? "" : `; ${duration(since)} more have come in since`;
-  const full = model.refusedRows > 0 ? " The buffer is full: what comes now is not kept until you go on." : "";
+  const more = Number.isNaN(since) ? "" : `; ${duration(since)} more received since`;
+  const full = model.refusedRows > 0 ? " The buffer is full: new data is discarded until you resume." : "";
   return `Paused at ${digits(view.edgeS, 4)} s${more}.${full} Drag across a chart to zoom, double-click to see all.`;
 }

@@ -77,7 +77,7 @@ export class Toolbar {
   take() {
     const { view, place } = this;
     const pause = place("pause");
-    pause.textContent = view.paused ? "Go on" : "Pause";
+    pause.textContent = view.paused ? "Resume" : "Pause";
     pause.setAttribute("aria-pressed", String(view.paused));
     place("zooms").hidden = !view.paused;
     this.charts.selectable(view.paused);

@@ -38,7 +38,7 @@ let space = null;
 try {
   space = new Space(canvas);
 } catch (error) {
-  banners.show("webgl", `This browser draws nothing in three dimensions: ${error.message}. The charts go on.`);
+  banners.show("webgl", `This browser cannot draw in three dimensions: ${error.message}. The charts continue.`);
 }
 let fit = false;
 const hand = new HandInSpace(canvas, space, model, (message) => link.say(message));
@@ -65,7 +65,7 @@ const link = new Link(location.search, {
 
 function changed() {
   fit = true;
-  place("pause").textContent = view.paused ? "Go on" : "Pause";
+  place("pause").textContent = view.paused ? "Resume" : "Pause";
   place("pause").setAttribute("aria-pressed", String(view.paused));
   charts.selectable(view.paused);
   charts.redraw();
@@ -91,14 +91,14 @@ model.addEventListener("hello", ({ detail: { isNew } }) => {
 /** Says what mouse and keys do to the devices that are chosen. */
 function tellKeys() {
   const kinds = [...new Set(devices.map(({ kind }) => kind))].join(", ");
-  const turning = hand.turns ? " With ctrl, or by X, Y and Z (with shift back), it turns." : "";
+  const turning = hand.turns ? " Ctrl, or X, Y and Z (with shift: backwards), turns the hand." : "";
   const last = devices.length;
   const choices = last > 2 ? `1 to ${last} or 0 (all)` : "1, 2 or 0 (both)";
   const areChosen = devices.filter(({ pointer }) => pointer).length > 1;
-  const choosing = areChosen ? ` Take hold of a tool to choose it, or press ${choices}.` : "";
+  const choosing = areChosen ? ` Grab a tool to choose it, or press ${choices}.` : "";
   place("keys").textContent = hand.isLeadable
-    ? `Drag to move the hand in the plane of the screen; with shift, or by the wheel, to and from you.${choosing}${turning} Right button: turn the view. Arrows and page keys move by 1 mm; Escape lets go.`
-    : `${kinds}: ${last > 1 ? "these devices are" : "this device is"} not led from here. Right button: turn the view.`;
+    ? `Drag to move the hand in the plane of the screen; with shift, or with the wheel, towards you or away.${choosing}${turning} Right button: turn the view. Arrows and page keys move by 1 mm; Escape releases it.`
+    : `${kinds}: ${last > 1 ? "these devices are" : "this device is"} not movable from the page. Right button: turn the view.`;
 }
 
 hand.addEventListener("chosen", tellKeys);

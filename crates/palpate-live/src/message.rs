@@ -100,7 +100,7 @@ const TYPES: [&str; 7] = ["hand", "tool", "turn", "set", "restart", "rearm", "re
 #[must_use]
 pub fn parse(text: &str) -> ClientMessage {
     let Ok(Value::Object(mut fields)) = serde_json::from_str(text) else {
-        return ClientMessage::Unknown("a JSON object is needed");
+        return ClientMessage::Unknown("expected a JSON object");
     };
     let given = fields.remove("type");
     let Some(kind) = TYPES
@@ -108,7 +108,7 @@ pub fn parse(text: &str) -> ClientMessage {
         .find(|kind| given.as_ref().and_then(Value::as_str) == Some(kind))
     else {
         return ClientMessage::Unknown(
-            "its type is none of hand, tool, turn, set, restart, rearm, record",
+            "unknown type; allowed: hand, tool, turn, set, restart, rearm, record",
         );
     };
     match request(kind, fields) {
@@ -405,7 +405,7 @@ pub struct LaneStatus {
     /// Durations of the ticks.
     pub tick_s: Spread,
     /// Ticks that found no room on their way here.
-    pub unmodelled: u64,
+    pub unsent: u64,
 }
 
 /// Distribution of durations `[s]`.

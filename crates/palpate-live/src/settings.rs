@@ -77,7 +77,7 @@ pub struct Settings {
 impl Settings {
     /// Returns the settings of `scene` with `methods`, one for each rendering.
     #[must_use]
-    pub fn of(scene: &Scene, methods: &[MethodName]) -> Self {
+    pub fn new(scene: &Scene, methods: &[MethodName]) -> Self {
         Self {
             stiffness: scene.contact.stiffness,
             mass: match scene.contact.object_mass {
@@ -140,7 +140,7 @@ impl Settings {
                 if let Some(value) = lane.damping_n_s_per_m {
                     if !lane.method.uses(SettingKey::DAMPING) {
                         return Err(format!(
-                            "{} takes no damping; allowed: none (null)",
+                            "{} has no damping; allowed: null",
                             lane.method.name()
                         ));
                     }
@@ -305,7 +305,7 @@ mod tests {
     #[test]
     fn what_is_set_is_rendered_and_the_rest_stays() {
         let scene = scene();
-        let before = Settings::of(&scene, &[MethodName::Hfcr, MethodName::Basic]);
+        let before = Settings::new(&scene, &[MethodName::Hfcr, MethodName::Basic]);
         assert_eq!(before.lanes[0].damping_n_s_per_m, Some(0.01));
         let limits = Limits::around(&before, &scene);
         let set = Set {
@@ -340,7 +340,7 @@ mod tests {
     #[test]
     fn what_the_renderer_is_told_of_the_device_is_set_and_the_device_stays() {
         let scene = scene();
-        let before = Settings::of(&scene, &[MethodName::Coupled]);
+        let before = Settings::new(&scene, &[MethodName::Coupled]);
         let limits = Limits::around(&before, &scene);
         let as_it_is = ModelState {
             model_device_mass_kg: 0.1,
@@ -377,7 +377,7 @@ mod tests {
     #[test]
     fn what_cannot_be_is_refused_with_what_is_allowed() {
         let scene = scene();
-        let before = Settings::of(&scene, &[MethodName::Coupled]);
+        let before = Settings::new(&scene, &[MethodName::Coupled]);
         let limits = Limits::around(&before, &scene);
         let refused = |set: Set, most| before.with(&set, &limits, most).unwrap_err();
         let lanes = |lanes: &[(MethodName, Option<f64>)]| Set {
@@ -420,7 +420,7 @@ mod tests {
         assert_eq!(refused(lanes(&[]), 2), "0 lanes; allowed: 1 or 2");
         assert_eq!(
             refused(lanes(&[(MethodName::Basic, Some(1.0))]), 2),
-            "basic takes no damping; allowed: none (null)"
+            "basic has no damping; allowed: null"
         );
         assert_eq!(
             refused(lanes(&[(MethodName::Hfcr, Some(-1.0))]), 2),
@@ -432,7 +432,7 @@ mod tests {
     fn what_no_renderer_takes_is_told_by_the_page_s_field() {
         let scene = scene();
         let model = |change: fn(&mut Settings)| {
-            let mut settings = Settings::of(&scene, &[MethodName::Hfcr]);
+            let mut settings = Settings::new(&scene, &[MethodName::Hfcr]);
             change(&mut settings);
             settings.renderings(&scene).unwrap_err()
         };

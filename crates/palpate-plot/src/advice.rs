@@ -49,7 +49,7 @@ pub fn advice(advice: &Advice, reach: &Reach) -> Sheet {
             ),
         ];
         series.extend(asked.map(|(mass, stiffness)| Series {
-            name: format!("asked for: {}", wish(advice)),
+            name: format!("requested: {}", wish(advice)),
             kind: Kind::Points,
             role: Role::Mark,
             x: vec![mass],
@@ -64,10 +64,10 @@ pub fn advice(advice: &Advice, reach: &Reach) -> Sheet {
             device.mass_kg, device.period_s
         ),
         footnote: Some(format!(
-            "From every one of {} start heights, with the settings that each method has by itself. Stable: no \
-             bounce gains more than 1 % of energy. E: error of the mean force of each period. A panel without a \
-             line: not even the softest contact; a line at the top: the search ends there, at kappa = 100. Resting and pressed contacts are not in the lines; the title \
-             counts them in.",
+            "From each of {} start heights, with the default settings of each method. Stable: no bounce gains more \
+             than 1 % of energy. E: error of the mean force of each period. Panel without a line: even the softest \
+             contact is unstable. Line at the top: end of the search, at kappa = 100. The lines ignore resting and \
+             pressed contacts; the title includes them.",
             device.start_heights
         )),
         x_label: "object mass M [kg]".into(),
@@ -116,7 +116,7 @@ fn finding(advice: &Advice) -> String {
     match advice.verdict {
         Verdict::Yes { method, .. } => format!("{wish}: yes, by {method}"),
         Verdict::Swings { method, .. } => {
-            format!("{wish}: no, it swings at rest or pressed, even by {method}")
+            format!("{wish}: no, the force swings at rest or pressed, even by {method}")
         }
         Verdict::HoldTooCoarse { method, .. } => {
             format!("{wish}: stable by {method}, but the period is too long for the force")

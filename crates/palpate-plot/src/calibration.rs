@@ -1,7 +1,7 @@
 //! Figure of a calibration: measured and fitted motion, residual, and results.
 
-use palpate_study::calibrate::{Calibration, Quantity};
 use palpate_figure::{Figure, Kind, Panel, Role, Row, Series};
+use palpate_study::calibrate::{Calibration, Quantity};
 use palpate_study::card::MotionCard;
 
 /// Returns the figure of positions, fit residual and commands, without a title.
@@ -70,7 +70,7 @@ pub fn calibration(shown: &MotionCard, calibration: &Calibration) -> Figure {
     Figure {
         title: finding(calibration),
         subtitle:
-            "Positions under random force steps, and each as the fit foresees it from those before"
+            "Positions under random force steps, and their predictions by the fit from earlier samples"
                 .into(),
         ..motion(shown)
     }

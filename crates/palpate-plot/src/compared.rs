@@ -32,7 +32,7 @@ struct ComparedMethod {
 }
 
 impl<'a> ComparedScene<'a> {
-    fn of(scene: &'a SceneRows) -> Self {
+    fn new(scene: &'a SceneRows) -> Self {
         let of_method = |method: &MethodRow| {
             let run = match &method.result {
                 Outcome::Ran(run) => Some(run),
@@ -55,7 +55,7 @@ impl<'a> ComparedScene<'a> {
 
 /// Returns the figure of the force errors of a comparison.
 pub fn compared(comparison: &Comparison) -> DotFigure {
-    let scenes: Vec<_> = comparison.scenes.iter().map(ComparedScene::of).collect();
+    let scenes: Vec<_> = comparison.scenes.iter().map(ComparedScene::new).collect();
     figure(&scenes)
 }
 
@@ -72,7 +72,7 @@ pub fn compared_worlds(comparison: &WorldComparison) -> DotFigure {
     };
     let scenes: Vec<_> = comparison.scenes.iter().map(of_scene).collect();
     DotFigure {
-        ring_label: "refused samples or ran away".into(),
+        ring_label: "refused samples or diverged".into(),
         ..figure(&scenes)
     }
 }
@@ -106,7 +106,7 @@ fn figure(scenes: &[ComparedScene]) -> DotFigure {
         title: finding(scenes),
         subtitle: "Force rendering error of each method on each scene".into(),
         footnote: "FRE: error of the held force to the ideal force, over the window of the scene. Hold bound: the \
-                   least FRE that any force held over the periods of the loop can have."
+                   least FRE of any force that is held over the periods of the loop."
             .into(),
         x_label: "FRE [%]".into(),
         largest: LARGEST,
@@ -133,7 +133,7 @@ fn finding(scenes: &[ComparedScene]) -> String {
         return String::new();
     };
     match nearest.len() {
-        0 => "No method holds together with a force error on any scene".into(),
+        0 => "No method has a bounded run with a force error on any scene".into(),
         evaluated => format!(
             "{} has the least force error on {} of {evaluated} scenes",
             best.name,

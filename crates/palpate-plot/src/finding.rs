@@ -31,7 +31,7 @@ pub fn of_runs(runs: &[&Run], names: &[&str]) -> Option<String> {
     let farthest = whole.max_by(|a, b| a.1.total_cmp(&b.1));
     let Some((near, least)) = nearest else {
         return Some(format!(
-            "All of {} methods diverged or were stopped",
+            "All {} methods diverged or were stopped",
             runs.len()
         ));
     };

@@ -53,10 +53,8 @@ impl Quantity {
             Self::Growth => "Growth of the energy per collision",
             Self::Error => "Mean-force error E",
             Self::OverFloor => "Force rendering error over the hold bound",
-            Self::Resting => {
-                "How far the force swings of an object that lies on the device by its weight"
-            }
-            Self::Pressed => "How far the force swings of a contact that is pressed",
+            Self::Resting => "Force swing of an object that rests on the device by its weight",
+            Self::Pressed => "Force swing of a pressed contact",
         }
     }
 }
@@ -65,10 +63,10 @@ impl Quantity {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotInTheMap {
     /// A quantity of sustained contacts, for a map that contains only bounces.
-    #[error("{}: the map is by an older version and has bounces alone; compute it again", .0.name())]
+    #[error("{}: the map was made by an older version and has only bounces; compute it again", .0.name())]
     Quantity(Quantity),
     /// A method.
-    #[error("{method}: the map has {has}")]
+    #[error("{method} is not in the map, which has {has}")]
     Method {
         /// The method.
         method: MethodName,
@@ -169,7 +167,7 @@ pub fn figure(
     methods: Option<&[MethodName]>,
 ) -> Result<FieldFigure, NotInTheMap> {
     let columns = columns(map, methods)?;
-    let loop_numbers = LoopNumbers::of(map)?;
+    let loop_numbers = LoopNumbers::new(map)?;
     let mut rows = Vec::new();
     let show = quantities(map, show)?;
     for quantity in &show {
@@ -210,7 +208,7 @@ struct LoopNumbers {
 }
 
 impl LoopNumbers {
-    fn of(map: &Map) -> Result<Self, NoNumber> {
+    fn new(map: &Map) -> Result<Self, NoNumber> {
         let number = |key| metadata::number(map, key);
         let (mass, period) = (number("device_mass_kg")?, number("period_s")?);
         let friction = number("viscous_friction_n_s_per_m")?;
@@ -339,7 +337,7 @@ fn scale(quantity: Quantity) -> Scale {
                 ("#8a8779", "≤ 20"),
                 ("#c3b369", "≤ 50"),
                 ("#e8d35a", "≤ 100"),
-                ("#fff3b0", "more: no force would be nearer"),
+                ("#fff3b0", "more: worse than zero force"),
             ]),
             limits: vec![1.0, 5.0, 10.0, FAITHFUL_PERCENT, 50.0, 100.0],
             border: "border of E < 20 % and stable, from the worst start".into(),
@@ -359,14 +357,14 @@ fn scale(quantity: Quantity) -> Scale {
             border: "border of E < 20 % and stable, from the worst start".into(),
         },
         Quantity::Resting => swing_scale(
-            "Resting by its weight: standard deviation of the force over what presses, worse hand",
+            "Resting by its weight: standard deviation of the force over the weight, worse hand",
             "≤ 10 %: rests",
-            "border of what rests, below 10 %",
+            "border of resting contacts, below 10 %",
         ),
         Quantity::Pressed => swing_scale(
-            "Pressed with 3 N: standard deviation of the force over what presses, worse hand",
+            "Pressed with 3 N: standard deviation of the force over 3 N, worse hand",
             "≤ 10 %: steady",
-            "border of what is steady, below 10 %",
+            "border of steady contacts, below 10 %",
         ),
     }
 }
@@ -406,7 +404,7 @@ fn about_bounds(rows: &[FieldRow]) -> &'static str {
         return "";
     }
     if drawn.any(|bound| bound.to > NEARLY_A_WALL) {
-        " Bounds are of walls and drawn up to Kc = 0.03, but for that of HFCR's sustained contact."
+        " Bounds are of walls and drawn up to Kc = 0.03, except the bound of HFCR's sustained contact."
     } else {
         " Bounds are of walls and drawn up to Kc = 0.03."
     }
@@ -441,16 +439,8 @@ fn footnote(map: &Map, numbers: &LoopNumbers, show: &[Quantity]) -> String {
             "0",
             "deviation of the lag in the renderer's model [periods]",
         ),
-        (
-            "model_mass_factor",
-            "1",
-            "mass told to the renderer over the true one",
-        ),
-        (
-            "model_period_factor",
-            "1",
-            "period told to the renderer over the true one",
-        ),
+        ("model_mass_factor", "1", "model mass over the true one"),
+        ("model_period_factor", "1", "model period over the true one"),
     ] {
         if let Some(value) = map.value(key)
             && value != usual
@@ -460,8 +450,8 @@ fn footnote(map: &Map, numbers: &LoopNumbers, show: &[Quantity]) -> String {
     }
     let stays = if show.contains(&Quantity::Resting) || show.contains(&Quantity::Pressed) {
         format!(
-            " A contact that stays begins {} of its deflection off its place of rest, in each of two hands \
-             ({}); they make these rows hold for this device and period alone.",
+            " A sustained contact begins {} of its deflection away from its rest position, in each of two hands ({}); \
+             these rows therefore hold only for this device and period.",
             value("stay_begins_off"),
             value("stay_hands")
         )

@@ -45,7 +45,7 @@ impl<'a> RunsFigure<'a> {
         let (of, devices) = match replayed.known_to() {
             None => (title.to_owned(), Devices::Recorded),
             Some(known) => (
-                format!("{title}, the hand's force known to {known}"),
+                format!("{title}, hand force known to {known}"),
                 Devices::InARecordedHand,
             ),
         };

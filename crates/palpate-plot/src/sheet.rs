@@ -32,7 +32,7 @@ impl RunsFigure<'_> {
             Devices::OfEachRun => "Ideal: object and device in continuous time.",
         };
         let recorded = match self.recorded {
-            Some(_) => " Recorded, behind the methods: what the recorded loop did.",
+            Some(_) => " Recorded, behind the methods: curves of the recorded loop.",
             None => "",
         };
         Sheet {

@@ -9,7 +9,7 @@ use palpate_study::suite::{Column, Score, Set};
 fn role(columns: &[Column], number: usize) -> Role {
     let of_methods = columns
         .iter()
-        .all(|column| *column == Column::of(column.method));
+        .all(|column| *column == Column::new(column.method));
     if of_methods {
         crate::role(columns[number].method)
     } else {
@@ -70,8 +70,8 @@ pub fn suite(
         title: finding(set, columns, drawn, scores),
         subtitle: format!("{} random plants{of_set}, {of_seeds}", trials(scores, 0, 0).count()),
         footnote: Some(
-            "Share of the plants on which E, the error of the mean force of each period, is at most so large: \
-             the further left, the better. Errors above 1000 % are not drawn."
+            "Share of the plants on which E, the error of the mean force of each period, is at most this large: \
+             further left is better. Errors above 1000 % are not drawn."
                 .into(),
         ),
         x_label: "mean-force error E [%]".into(),

@@ -198,7 +198,7 @@ impl fmt::Display for Excess {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} m of hand motion in {} s, over a stretch of {} m; is the unit {}?",
+            "implausible motion: {} m path in {} s, range {} m; is the unit {}?",
             two_digits(self.travel),
             two_digits(self.duration),
             two_digits(self.stretch),
@@ -254,7 +254,7 @@ mod tests {
         let far = swing(2.3, 0.5, 3, |_, x| x).excess().unwrap();
         assert_eq!(
             far.to_string(),
-            "14 m of hand motion in 3 s, over a stretch of 4.6 m; is the unit mm?"
+            "implausible motion: 14 m path in 3 s, range 4.6 m; is the unit mm?"
         );
         // 1.8 mm to and fro, twice per second, taken for metres.
         let fast = swing(0.9, 2.0, 3, |_, x| x).excess().unwrap();

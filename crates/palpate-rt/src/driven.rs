@@ -19,7 +19,7 @@ use crate::wire::posed;
 /// A sample with an invalid time stamp.
 const AHEAD: DeviceError = DeviceError {
     kind: DeviceErrorKind::NothingNew,
-    what: "the time stamp of a sample lies more than a period ahead of the loop's clock",
+    what: "the time stamp of a sample is more than a period ahead of the loop's clock",
 };
 
 /// Result of reading a device.

@@ -23,7 +23,7 @@
 //! # let text = include_str!("../../../experiments/fig2.toml");
 //! let scene = SceneFile::parse("fig2.toml", text)?.scene;
 //! let clock = SteppedClock::new();
-//! let device = SimulatedDevice::of(&scene, clock.clone())?;
+//! let device = SimulatedDevice::new(&scene, clock.clone())?;
 //! let rendering = scene.rendering(MethodName::Coupled)?;
 //! let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default())?;
 //! for _ in 0..100 {
@@ -57,13 +57,13 @@ mod lateness_watch;
 mod metadata;
 mod motors_off;
 mod note;
-#[allow(clippy::disallowed_methods, reason = "asks before the first tick")]
+#[allow(clippy::disallowed_methods, reason = "runs before the first tick")]
 pub mod realtime;
 #[allow(
     clippy::disallowed_methods,
     clippy::disallowed_types,
     clippy::panic,
-    reason = "the thread that may wait, so that the loop need not"
+    reason = "runs on its own thread, which may block"
 )]
 mod recorder;
 mod rendering;
@@ -83,7 +83,7 @@ mod thread;
 #[allow(
     clippy::disallowed_methods,
     clippy::disallowed_types,
-    reason = "starts a process, and is what runs in it; what a driver says in a tick is said without waiting"
+    reason = "starts a process and runs in it; a driver's messages in a tick do not block"
 )]
 pub mod watchdog;
 mod wire;

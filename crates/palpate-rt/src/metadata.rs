@@ -75,7 +75,7 @@ pub fn metadata_of_devices(
 
 /// Missing frame of a device in the metadata.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("its metadata does not say where {device} stands in the world")]
+#[error("its metadata lacks the frame of {device} in the world")]
 pub struct NoFrame {
     /// Description of the device.
     pub device: String,
@@ -124,7 +124,7 @@ impl Lines {
 
 fn of_device(device: &Capabilities) -> String {
     let mut lines = Lines::default();
-    let unknown = "not known";
+    let unknown = "unknown";
     lines.put("name", format_args!("{:?}", device.name));
     lines.put("axes", device.axes);
     lines.put_or("largest_force_n", device.largest_force, unknown);
@@ -160,7 +160,7 @@ fn of_safety(limits: &SafetyParams) -> String {
 
 fn of_request(request: &Request) -> String {
     let mut lines = Lines::default();
-    lines.put_or("priority", request.priority, "not asked for");
+    lines.put_or("priority", request.priority, "not requested");
     lines.put("lock_memory", request.lock_memory);
     lines.put_or("processor", request.processor, "any");
     lines.0
@@ -235,7 +235,7 @@ mod tests {
         let error = frames_of_devices(&metadata, &["left", "third"]).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "its metadata does not say where the device third stands in the world"
+            "its metadata lacks the frame of the device third in the world"
         );
     }
 }

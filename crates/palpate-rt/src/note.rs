@@ -68,8 +68,8 @@ impl Ending {
     #[must_use]
     pub fn text(self) -> &'static str {
         match self {
-            Self::Stopped => "it was asked to stop",
-            Self::Complete => "its time was over",
+            Self::Stopped => "stopped on request",
+            Self::Complete => "the duration is over",
             Self::DeviceLost => "the device is gone",
             Self::Panicked => "a tick panicked",
         }
@@ -135,11 +135,11 @@ impl LoopEvent {
             ),
             Note::Recovered(safety_stop) => (
                 "recovered".to_owned(),
-                format!("no longer: {safety_stop}; the force comes back"),
+                format!("over: {safety_stop}; the force ramps up again"),
             ),
             Note::Rearmed => (
                 "rearmed".to_owned(),
-                "somebody rearmed the safety".to_owned(),
+                "the safety layer was rearmed".to_owned(),
             ),
             Note::Fault(fault) => (format!("fault-{}", fault.name()), fault.to_string()),
             Note::Device(error) => ("device-error".to_owned(), error.to_string()),
@@ -187,8 +187,8 @@ impl LoopEvent {
             |name| format!("device `{name}`"),
         );
         match self.note {
-            Note::Stopped(_) => format!("{of}: {text}; no device has a force"),
-            Note::Recovered(safety_stop) => format!("{of}: no longer: {safety_stop}"),
+            Note::Stopped(_) => format!("{of}: {text}; the force of all devices is 0"),
+            Note::Recovered(safety_stop) => format!("{of}: over: {safety_stop}"),
             _ => format!("{of}: {text}"),
         }
     }
@@ -198,7 +198,7 @@ impl LoopEvent {
 fn learned(lateness: f64) -> String {
     let than = if lateness < 0.0 { "earlier" } else { "later" };
     format!(
-        "commands begin {:.3} ms {than} than told, by what the renderer has learned from contact",
+        "commands begin {:.3} ms {than} than the model value, estimated from contact",
         1e3 * lateness.abs()
     )
 }

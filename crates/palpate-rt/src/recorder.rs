@@ -91,7 +91,7 @@ impl Account {
             // A contact of a world does not contain the force on the device.
             self.peak_force = self.peak_force.max(length(tick.delivered_force));
         }
-        self.last = Row::of(*tick, contacts).next();
+        self.last = Row::new(*tick, contacts).next();
     }
 
     /// Adds the devices of a tick of a loop with several devices.

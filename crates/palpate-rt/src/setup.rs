@@ -17,7 +17,7 @@ pub enum SetupError {
     #[error(transparent)]
     Safety(#[from] SafetyError),
     /// The rendering has another number of devices than the loop.
-    #[error("the world has {world} devices, and {given} are given; allowed: one for each")]
+    #[error("the world has {world} devices, but {given} are given; allowed: one for each")]
     Devices {
         /// Devices of the world, or 1 of a contact.
         world: usize,
@@ -26,18 +26,18 @@ pub enum SetupError {
     },
     /// A world whose tool has a torque, on a device without torque.
     #[error(
-        "the world's device has six axes (inertia_kg_m2), and this device has no torque about three axes; allowed: a \
-         device that has, such as simulated, or gives_torque = false, with which the hand alone turns the tool"
+        "the world's device has six axes (inertia_kg_m2), but this device has no torque about three axes; use a \
+         device with torque, such as simulated, or set gives_torque = false: only the hand then turns the tool"
     )]
     SixAxes,
     /// A world whose tool rotates, on a device that measures no orientation.
     #[error(
-        "the world's tool turns (inertia_kg_m2), and this device measures no orientation; allowed: a device that does, such as \
-         simulated, or a tool that keeps the axes of the world"
+        "the world's tool turns (inertia_kg_m2), but this device measures no orientation; use a device that does, \
+         such as simulated, or a tool with a fixed orientation"
     )]
     Orientation,
     /// A world whose tool rotates, on a device whose axes are not those of the world.
-    #[error("a device of six axes has the axes of the world, x,y,z; its place may be another one")]
+    #[error("a device of six axes must have the axes of the world, x,y,z; its position may differ")]
     TurnedFrame,
     /// A period outside the range of the clock `[s]`.
     #[error("the period is {0} s; allowed: a nanosecond to 10 s")]

@@ -125,7 +125,7 @@ pub(crate) fn tap_if_there_is_memory(capacity: usize) -> io::Result<(Tap, Listen
         return Err(io::Error::new(
             io::ErrorKind::OutOfMemory,
             format!(
-                "room for {capacity} ticks takes {bytes} bytes, and the system has no memory for that"
+                "a buffer for {capacity} ticks needs {bytes} bytes, which the system cannot allocate"
             ),
         ));
     }
@@ -228,7 +228,7 @@ impl Tap {
 
     #[expect(
         clippy::disallowed_methods,
-        reason = "yields only where the clock stands still meanwhile"
+        reason = "yields only on a simulated clock, which does not advance meanwhile"
     )]
     fn push(&mut self, count: usize, passed: impl Iterator<Item = Passed>) {
         let can_fit = count <= self.out.buffer().capacity();

@@ -155,7 +155,7 @@ impl<D: Device, C: Clock, R: Renders> LoopThread<D, C, R> {
         self.finish();
         match end {
             Some(Ok(end)) => end,
-            _ => panic!("the loop's thread is gone without a word"),
+            _ => panic!("the loop's thread ended without a result"),
         }
     }
 
@@ -230,5 +230,5 @@ fn words(payload: &(dyn Any + Send)) -> String {
         .downcast_ref::<&str>()
         .map(|text| (*text).to_owned())
         .or_else(|| payload.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "it did not say why".to_owned())
+        .unwrap_or_else(|| "no message".to_owned())
 }

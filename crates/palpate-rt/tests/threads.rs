@@ -257,7 +257,7 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
     assert!(recording.is_complete(), "{:?}", recording.missing);
     let counted = recording.counted.as_ref().unwrap();
     assert_eq!(counted.ticks, made);
-    assert_eq!(counted.ending.as_deref(), Some("its time was over"));
+    assert_eq!(counted.ending.as_deref(), Some("the duration is over"));
     let mut ticks = 0;
     let mut before = f64::NEG_INFINITY;
     for entry in recording.entries().unwrap() {
@@ -281,7 +281,7 @@ fn without_memory_no_recording_is_begun() {
         assert_eq!(error.source.kind(), std::io::ErrorKind::OutOfMemory);
         let words = error.to_string();
         assert!(
-            words.contains(&format!("room for {room} ticks takes ")),
+            words.contains(&format!("a buffer for {room} ticks needs ")),
             "{words}"
         );
     }
@@ -339,5 +339,5 @@ fn tail_without_room(contacts: usize) {
     let tail = recording.missing.last().unwrap();
     assert_eq!((tail.after, tail.count), (Some(last), made - 1 - last));
     let ending = recording.counted.unwrap().ending;
-    assert_eq!(ending.as_deref(), Some("it was asked to stop"));
+    assert_eq!(ending.as_deref(), Some("stopped on request"));
 }

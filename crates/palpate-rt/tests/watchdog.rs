@@ -117,7 +117,7 @@ fn a_driver_that_speaks_in_time_or_has_no_force_on_is_left_alone() {
 
 /// The message buffer is limited. At 4 kHz it is full after 35 ms.
 #[test]
-fn a_guardian_with_a_long_limit_listens_before_its_room_is_full() {
+fn a_watchdog_with_a_long_limit_listens_before_its_room_is_full() {
     let guarded = guarded(Duration::from_secs(3600));
     for _ in 0..20 {
         for _ in 0..100 {
@@ -209,7 +209,7 @@ fn a_port_that_takes_nothing_gets_no_force_when_it_takes_some() {
 }
 
 #[test]
-fn a_guardian_that_is_gone_or_does_not_listen_is_noticed() {
+fn a_watchdog_that_is_gone_or_does_not_listen_is_noticed() {
     let (driver, socket) = UnixStream::pair().unwrap();
     let account = Arc::new(WatchdogAccount::default());
     let watchdog = Watchdog::beside(driver, Arc::clone(&account)).unwrap();
@@ -232,7 +232,7 @@ fn a_guardian_that_is_gone_or_does_not_listen_is_noticed() {
 
 /// Starting fails if the program is missing or ends without a message.
 #[test]
-fn a_guardian_that_cannot_be_started_is_an_error_that_says_so() {
+fn a_watchdog_that_cannot_be_started_is_an_error_that_says_so() {
     use std::os::fd::AsFd;
     let (port, _board) = UnixStream::pair().unwrap();
     let orders = Orders {
@@ -243,7 +243,7 @@ fn a_guardian_that_cannot_be_started_is_an_error_that_says_so() {
     };
     for (program, words) in [
         ("/there/is/no/watchdog", "cannot be started"),
-        ("true", "has started and does not answer"),
+        ("true", "has started but does not answer"),
     ] {
         let account = Arc::new(WatchdogAccount::default());
         let command = std::process::Command::new(program);

@@ -159,7 +159,7 @@ impl RawBox {
                         bounds.span(),
                         format!(
                             "{key} is [{low}, {high}], but must be one bound below 0 and one above: \
-                             they count from home, and home is inside"
+                             bounds are relative to home, which is inside"
                         ),
                     ))
                 }

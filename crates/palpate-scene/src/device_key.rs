@@ -74,7 +74,7 @@ pub(super) struct ReadPointMass {
 
 impl ReadPointMass {
     /// A point mass with its defaults.
-    pub fn of(mass: Spanned<f64>) -> Self {
+    pub fn new(mass: Spanned<f64>) -> Self {
         Self {
             mass,
             position: None,
@@ -192,8 +192,8 @@ impl RawDevice {
         if let Some(span) = key.chain(drivetrain.any()).next() {
             return here(
                 span,
-                "a pantograph's preset or file says this; only position_m and safety_box stand \
-                 beside it",
+                "a pantograph's preset or file sets this; only position_m and safety_box can be \
+                 added",
             );
         }
         let linkage = match self.safety_box {

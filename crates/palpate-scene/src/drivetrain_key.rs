@@ -53,7 +53,7 @@ impl RawDrivetrain {
         {
             return Some((
                 key.span(),
-                "this is of a flexible transmission, which needs resonance_hz",
+                "keys of a flexible transmission need resonance_hz",
             ));
         }
         match (&self.cogging_n, &self.cogging_pitch_m) {

@@ -52,7 +52,7 @@ pub struct SceneErrors(Vec<SceneError>);
 
 impl SceneErrors {
     /// The faults; none if there are none.
-    pub(super) fn of(mut faults: Vec<SceneError>) -> Option<Self> {
+    pub(super) fn new(mut faults: Vec<SceneError>) -> Option<Self> {
         faults.sort_by_key(|fault| (fault.span.start, fault.span.end));
         faults.dedup();
         (!faults.is_empty()).then_some(Self(faults))

@@ -127,7 +127,7 @@ impl SceneFile {
     /// All errors, each with its line, its column and the allowed values.
     pub fn parse(name: &str, source: &str) -> Result<Self, SceneErrors> {
         Self::parse_with(name, source, &mut |_| {
-            let alone = "this scene is read without the files beside it";
+            let alone = "this scene is read without other files";
             Err(io::Error::new(io::ErrorKind::NotFound, alone))
         })
     }
@@ -147,10 +147,10 @@ impl SceneFile {
             damaged: HashSet::new(),
         };
         let file = reading.read(files);
-        match (SceneErrors::of(reading.faults), file) {
+        match (SceneErrors::new(reading.faults), file) {
             (None, Some(file)) => Ok(file),
             (Some(errors), _) => Err(errors),
-            (None, None) => unreachable!("what cannot be read has a fault"),
+            (None, None) => unreachable!("an unreadable file has a fault"),
         }
     }
 
@@ -177,7 +177,7 @@ impl SceneFile {
             SettingsError::Unused { setting, .. } => {
                 let key = self.place_of(method, setting).map(|(key, _)| key);
                 let message = format!(
-                    "{method} has no use for {}; it is for {}",
+                    "{method} does not use {}; it is for {}",
                     setting.key,
                     setting.key.users()
                 );
@@ -285,13 +285,14 @@ impl Reading<'_> {
             return None;
         }
         if WorldFile::is_world_file(self.source) {
-            let message = "the key format is of a world of several bodies; here a scene of one contact is needed, \
+            let message = "the key format belongs to a world of several bodies; a scene of one contact is needed here, \
                            with scene_format = 1";
             self.fault((0..0, message.into()));
             return None;
         }
         if WorldFile::lacks_its_format(self.source) {
-            let message = "a world with [[device]] and [[body]] begins with format = 2, and this file has no format";
+            let message =
+                "the key format is missing; a world with [[device]] and [[body]] needs format = 2";
             self.fault((0..0, message.into()));
             return None;
         }
@@ -317,7 +318,7 @@ impl Reading<'_> {
             (Some(count), None) => Measure::Collisions(places.take(Of::Collisions, count)),
             (None, Some(duration)) => Measure::Duration(places.take(Of::Duration, duration)),
             _ => {
-                let message = "[measure] needs either collisions or duration_s, one of them";
+                let message = "[measure] needs either collisions or duration_s";
                 self.in_table("measure", (measure_span, message.into()));
                 Measure::Collisions(1)
             }
@@ -465,7 +466,7 @@ impl Reading<'_> {
                 }
                 // A valid mass, so that the remaining keys can be checked.
                 let mass = Spanned::new(kind.clone(), 1.0);
-                ReadDevice::PointMass(ReadPointMass::of(mass))
+                ReadDevice::PointMass(ReadPointMass::new(mass))
             }
         };
         match device {

@@ -129,8 +129,8 @@ impl RawHand {
                 let numbers = of_a_grip.into_iter().flatten().map(|key| key.span());
                 let intention = self.intention.map(|key| key.span());
                 if let Some(span) = numbers.chain(intention).min_by_key(|span| span.start) {
-                    let message = "a hand of kind constant-force has no use for this; \
-                                   kind = \"impedance\" has";
+                    let message = "a hand of kind constant-force does not use this; \
+                                   kind = \"impedance\" does";
                     return Err((span, message.into()));
                 }
                 None
@@ -141,7 +141,7 @@ impl RawHand {
                     &self.intention,
                     beside_recording.into_iter().flatten().next(),
                 ) {
-                    let message = "the recorded intention says where the hand wants to be";
+                    let message = "the recorded intention already sets the position of the hand";
                     return Err((key.span(), message.into()));
                 }
                 Some(Grip {

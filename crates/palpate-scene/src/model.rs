@@ -69,8 +69,8 @@ impl RawModel {
             .next()
             .filter(|_| !is_whole)
             .map(|span| {
-                let message = "a transmission is told by resonance_hz, resonance_damping_ratio and \
-                           flexible_mass_fraction, all three";
+                let message = "a transmission model needs resonance_hz, resonance_damping_ratio and \
+                           flexible_mass_fraction";
                 (span, message.to_owned())
             })
     }

@@ -117,7 +117,7 @@ impl RawLoop {
             (Some(_), Some(samples)) => {
                 return Err((
                     samples.span(),
-                    "either drop_probability or dropped_samples, one of them",
+                    "either drop_probability or dropped_samples, not both",
                 ));
             }
         };
@@ -221,7 +221,7 @@ impl Scene {
         if self.device.sampled_as_recorded().is_some()
             && (self.timing != only_as_recorded || fraction != 0.0)
         {
-            let allowed = "left out, like jitter and drops, of a loop that samples as recorded";
+            let allowed = "omitted, like jitter and drops, in a loop that samples as recorded";
             return refused(SceneParameter::DelayFraction, fraction, allowed);
         }
         let Err(error) = Schedule::new(self.schedule()) else {

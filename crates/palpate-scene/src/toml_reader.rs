@@ -198,7 +198,7 @@ impl<'t> Deserializer<'t> for Item<'t> {
     fn deserialize_any<V: Visitor<'t>>(self, visitor: V) -> Result<V::Value, ReadError> {
         let span = self.span.clone();
         let read = if let Some(table) = self.table() {
-            visitor.visit_map(Entries::of(table))
+            visitor.visit_map(Entries::new(table))
         } else {
             match self.what {
                 What::Value(DeValue::Array(values)) => {
@@ -330,7 +330,7 @@ struct Entries<'t> {
 }
 
 impl<'t> Entries<'t> {
-    fn of(table: &'t DeTable<'t>) -> Self {
+    fn new(table: &'t DeTable<'t>) -> Self {
         Self {
             of_table: Some(table.iter()),
             beside: [None; 3],

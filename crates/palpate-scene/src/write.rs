@@ -13,7 +13,7 @@ use crate::method::{MethodName, Settings};
 
 /// Part of a scene for which scene files have no key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("a scene file cannot say {0}")]
+#[error("a scene file cannot contain {0}")]
 pub struct Unwritable(&'static str);
 
 impl Scene {
@@ -85,7 +85,9 @@ impl Scene {
                 file.hand(&device.hand)?;
             }
             SceneDevice::Pantograph(device) => file.pantograph(device)?,
-            SceneDevice::Recorded { .. } => return Err(Unwritable("what a recorded hand did")),
+            SceneDevice::Recorded { .. } => {
+                return Err(Unwritable("the motion of a recorded hand"));
+            }
         }
 
         file.table("loop");
@@ -205,7 +207,7 @@ impl File {
 
     fn grip(&mut self, grip: &Grip) -> Result<(), Unwritable> {
         let Intention::Place { position, swing } = grip.intention else {
-            return Err(Unwritable("where a hand wants to be at every instant"));
+            return Err(Unwritable("the recorded intention of a hand"));
         };
         self.line("kind", "\"impedance\"");
         self.number("mass_kg", grip.mass);
@@ -229,7 +231,7 @@ impl File {
         } = device;
         let (preset, safety_box) = linkage
             .as_preset()
-            .ok_or(Unwritable("what stands in a device file of its own"))?;
+            .ok_or(Unwritable("the values of a separate device file"))?;
         self.table("device");
         self.line("kind", "\"pantograph\"");
         self.line("preset", &format!("\"{preset}\""));

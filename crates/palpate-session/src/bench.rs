@@ -39,7 +39,7 @@ pub struct Measured {
 impl BenchReport {
     /// Creates the report of a measured loop.
     #[must_use]
-    pub fn of(measured: Measured) -> Self {
+    pub fn new(measured: Measured) -> Self {
         Self {
             format: FORMAT,
             measured,

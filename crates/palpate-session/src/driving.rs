@@ -34,7 +34,7 @@ pub enum DriveError {
     #[error(transparent)]
     Record(#[from] WriteError),
     /// The system cannot start the listener thread.
-    #[error("no thread to listen: {0}")]
+    #[error("no thread for the recorder: {0}")]
     Listener(io::Error),
     /// The system cannot start the loop thread.
     #[error("no thread for the loop: {0}")]
@@ -99,13 +99,13 @@ fn tell_of_losses<D: Device, C: Clock, R: Renders>(
         if let Some((_, lost)) = guarding.lost().filter(|_| !is_watchdog_informed) {
             is_watchdog_informed = true;
             model(format_args!(
-                "warning: {lost}; the loop commands no force until the device is opened anew"
+                "warning: {lost}; the loop commands zero force until the device is reopened"
             ));
         }
         if let Some(why) = recorder.failure().filter(|_| !is_told) {
             is_told = true;
             model(format_args!(
-                "warning: {why}; the loop goes on, and is not recorded any more"
+                "warning: {why}; the loop continues without a recording"
             ));
         }
         std::thread::sleep(LOOK_EVERY);

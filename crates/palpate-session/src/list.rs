@@ -13,8 +13,8 @@ const FORMAT: &str = "palpate devices 1";
 
 /// Warning for every 2DIY, since it can cause injury.
 pub const LATCH_WARNING: &str = "the board of a 2DIY has no watchdog: if the cable is pulled, it may \
-     hold its last torque until its power is switched off; if the program is killed, a watchdog takes \
-     the torque off, unless it was started with --watchdog off";
+     hold its last torque until its power is switched off; if the program is killed, a watchdog sets the torque to \
+     0, unless the program runs with --watchdog off";
 
 /// Devices that a loop can run on here.
 #[derive(Debug, Serialize)]
@@ -48,7 +48,7 @@ struct Inverse3Report {
 const PATIENCE: Duration = Duration::from_millis(500);
 
 impl ServiceReport {
-    fn of(url: &str) -> Self {
+    fn new(url: &str) -> Self {
         let service = if url == SERVICE {
             String::new()
         } else {
@@ -103,7 +103,7 @@ const BUILT_IN: [BuiltIn; 3] = [
     },
     BuiltIn {
         device: "null",
-        what: "none: at rest at 0",
+        what: "no device: at rest at 0",
         open: "--device null",
     },
 ];
@@ -117,10 +117,10 @@ impl From<Port> for PortReport {
         let open = format!("--device haply-2diy --port {}{board}", port.path);
         Self {
             guess: match port.guess {
-                Guess::M0 => "a Haply M0, if it is one of Haply's",
-                Guess::M3 => "a Haply M3 or development kit, if it is one of Haply's",
-                Guess::Arduino => "perhaps a board of Haply's",
-                Guess::OtherUsb | Guess::Other => "not known",
+                Guess::M0 => "a Haply M0, if it is a Haply board",
+                Guess::M3 => "a Haply M3 or development kit, if it is a Haply board",
+                Guess::Arduino => "possibly a Haply board",
+                Guess::OtherUsb | Guess::Other => "unknown",
             },
             likely_haply_2diy: port.guess.is_likely(),
             open: port.guess.is_likely().then_some(open),
@@ -135,26 +135,26 @@ impl DeviceList {
     ///
     /// # Errors
     /// The serial ports cannot be listed.
-    pub fn of(service: &str) -> Result<Self, String> {
+    pub fn new(service: &str) -> Result<Self, String> {
         Ok(Self {
             format: FORMAT,
             built_in: BUILT_IN.into(),
             serial_ports: ports()?.into_iter().map(PortReport::from).collect(),
-            inverse_service: ServiceReport::of(service),
+            inverse_service: ServiceReport::new(service),
         })
     }
 }
 
 impl fmt::Display for DeviceList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "Always there")?;
+        writeln!(f, "Built in")?;
         for built_in in &self.built_in {
             let BuiltIn { device, what, open } = built_in;
             writeln!(f, "  {device:<10} {what}\n             {open}")?;
         }
-        writeln!(f, "\nSerial ports, the likeliest Haply 2DIY first")?;
+        writeln!(f, "\nSerial ports, the most likely Haply 2DIY first")?;
         if self.serial_ports.is_empty() {
-            writeln!(f, "  none; `palpate emulate haply-2diy` gives one to try")?;
+            writeln!(f, "  none; `palpate emulate haply-2diy` emulates one")?;
         }
         for port in &self.serial_ports {
             let said = format!("  {}  {}: {}", port.path, port.description, port.guess);
@@ -164,14 +164,14 @@ impl fmt::Display for DeviceList {
             }
         }
         if self.serial_ports.iter().any(|port| port.likely_haply_2diy) {
-            writeln!(f, "\n{}", wrapped(&format!("Mind that {LATCH_WARNING}.")))?;
+            writeln!(f, "\n{}", wrapped(&format!("Note: {LATCH_WARNING}.")))?;
         }
         let ServiceReport {
             url,
             devices,
             why_none,
         } = &self.inverse_service;
-        writeln!(f, "\nInverse3, behind the service at {url}")?;
+        writeln!(f, "\nInverse3, from the service at {url}")?;
         if let Some(why) = why_none {
             writeln!(f, "{}", hanging(&format!("  {why}"), 4))?;
         } else if devices.is_empty() {

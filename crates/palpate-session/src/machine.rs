@@ -103,7 +103,7 @@ impl fmt::Display for TriedReport {
         if let (Some(median), Some(longest)) = (self.late_median_s, self.late_longest_s) {
             writeln!(
                 f,
-                "      {SILENCES} silences of {} ms: no force {} ms later at the median, {} at most",
+                "      {SILENCES} silences of {} ms: zero force {} ms later at the median, {} at most",
                 digits(1e3 * self.silence_s),
                 digits(1e3 * median),
                 digits(1e3 * longest)
@@ -199,10 +199,10 @@ impl fmt::Display for MachineReport {
 impl MachineReport {
     /// Writes the whole report, without line wrapping.
     fn write(&self, f: &mut impl fmt::Write) -> fmt::Result {
-        writeln!(f, "What a loop asks for")?;
+        writeln!(f, "Real-time requests of a loop")?;
         for asked in &self.asked {
             match (&asked.why_not, asked.remedy) {
-                (None, _) => writeln!(f, "  ok  {}: granted, and looked up", asked.asked)?,
+                (None, _) => writeln!(f, "  ok  {}: granted and verified", asked.asked)?,
                 (Some(why), remedy) => {
                     writeln!(f, "  NO  {}: {why}", asked.asked)?;
                     if let Some(remedy) = remedy {
@@ -212,7 +212,7 @@ impl MachineReport {
             }
         }
         if self.asked.is_empty() {
-            writeln!(f, "      nothing")?;
+            writeln!(f, "      none")?;
         }
         writeln!(f, "\nThis machine")?;
         for finding in &self.machine {
@@ -234,7 +234,7 @@ impl MachineReport {
         }
         writeln!(
             f,
-            "\nA loop at {RATE} Hz for {SECONDS} s, as asked for above"
+            "\nA loop at {RATE} Hz for {SECONDS} s, with these requests"
         )?;
         write!(f, "{}", self.loop_at_1000_hz)
     }

@@ -57,8 +57,9 @@ pub fn lacking_axes(scene: &WorldScene, on: &[OnDevice]) -> Vec<String> {
         let names = names.filter(|(_, has)| *has);
         let names: Vec<_> = names.map(|(name, _)| format!("\"{name}\"")).collect();
         Some(format!(
-            "{name}: the file says {says}, and the device has {moves} of the world ({device}): no force is rendered along the rest, \
-             where the mechanism holds the tool; `axes = [{names}]` in [[device]] says so to `simulate`, `compare` and `tune`, too",
+            "{name}: the file has the axes {says}, but the device has {moves} of the world ({device}): the \
+             mechanism holds the tool along the other axes, without a rendered force; set `axes = [{names}]` in \
+             [[device]] for `simulate`, `compare` and `tune`, too",
             name = tool.name,
             device = on.capabilities.name,
             moves = left.names_of_axes(),

@@ -25,7 +25,7 @@ pub struct RecordedWorld {
 #[non_exhaustive]
 pub enum RecordedWorldError {
     /// The recording contains no world.
-    #[error("{0}: it is a recording of one contact")]
+    #[error("{0}: recording of one contact, not of a world")]
     OneContact(String),
     /// The recorded world is invalid.
     #[error(transparent)]
@@ -51,7 +51,7 @@ impl RecordedWorld {
     ///
     /// # Errors
     /// The recording is of one contact, or a part of its world is missing or invalid.
-    pub fn of(recording: &Recording) -> Result<Self, RecordedWorldError> {
+    pub fn new(recording: &Recording) -> Result<Self, RecordedWorldError> {
         let name = recording.path().display().to_string();
         let Some(text) = recording.metadata.texts.get(Self::TEXT) else {
             return Err(RecordedWorldError::OneContact(name));
@@ -81,6 +81,6 @@ impl RecordedWorld {
     pub fn gaps(&self) -> Option<String> {
         let ticks = counted(self.without_position, "tick");
         (self.without_position > 0)
-            .then(|| format!("{ticks} without a position; straight lines stand there"))
+            .then(|| format!("{ticks} without a position, linearly interpolated"))
     }
 }

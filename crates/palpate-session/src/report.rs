@@ -70,7 +70,7 @@ pub struct RunReport {
     events: Vec<EventReport>,
     all_events: u64,
     /// Number of ticks and events that the recorder lost.
-    unmodelled: u64,
+    unsent: u64,
     unreported_ticks: u64,
     recording: Option<RecordingReport>,
 }
@@ -272,7 +272,7 @@ impl RunReport {
             outside_work_j: last.outside_work,
             events: account.events.iter().map(event).collect(),
             all_events: account.events_made,
-            unmodelled: account.lost_ticks() + account.lost_events(),
+            unsent: account.lost_ticks() + account.lost_events(),
             unreported_ticks: account.lost_ticks(),
             recording: recording.map(|recording| RecordingReport {
                 file: recording.path().display().to_string(),
@@ -311,9 +311,9 @@ impl RunReport {
 /// Describes a safety stop that is active at the end.
 fn safety_stop_in_words(safety_stop: Option<SafetyStop>) -> &'static str {
     match safety_stop {
-        Some(SafetyStop::DeviceLost) => "at the end the device was gone",
+        Some(SafetyStop::DeviceLost) => "the device was gone at the end",
         Some(safety_stop) if safety_stop.is_passing() => {
-            "at the end a safety stop was on that ends by itself once its reason has passed"
+            "a temporary safety stop was active at the end"
         }
         _ => "safety stop until the end",
     }
@@ -388,7 +388,7 @@ impl RunReport {
         )?;
         if self.supervisor_cuts > 0 {
             let times = counted(self.supervisor_cuts, "time");
-            writeln!(f, "the supervisor commanded no force {times}")?;
+            writeln!(f, "the supervisor commanded zero force {times}")?;
         }
         if let Some(safety_stop) = self.safety_stop {
             let of = self.stopped_device.as_ref();
@@ -407,7 +407,7 @@ impl RunReport {
         } else if self.unreported_ticks > 0 {
             writeln!(
                 f,
-                "{} came too fast to be listened to",
+                "{} lost: the listener was too slow",
                 counted(self.unreported_ticks, "tick")
             )?;
         }

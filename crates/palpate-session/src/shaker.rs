@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use palpate::AlongAxis;
-use palpate_study::calibrate::{ExcitationError, ExcitationParams, Phase, Stop};
 use palpate_device::clock::Clock;
 use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 use palpate_rt::StopFlag;
 use palpate_rt::safety::{
     Heartbeat, OscillationParams, Rendered, Safety, SafetyError, SafetyParams, SafetyStop,
 };
+use palpate_study::calibrate::{ExcitationError, ExcitationParams, Phase, Stop};
 use palpate_study::calibration::ExcitedMotion;
 
 use crate::settling::{PATIENCE, Settling};
@@ -31,7 +31,7 @@ pub enum ShakeError {
     #[error("the device: {0}")]
     Lost(DeviceError),
     /// A signal stopped the excitation.
-    #[error("stopped by a signal before the end: no calibration, and no force")]
+    #[error("stopped by a signal before the end: no calibration; the force is 0")]
     Signalled,
     /// The motion of the device or of its hand does not allow a calibration.
     #[error(transparent)]
@@ -44,9 +44,8 @@ pub enum ShakeError {
 pub enum ShakeDeclined {
     /// Too many samples are missing.
     #[error(
-        "no calibration: {missed} of {length} samples are missing, for deadlines that were missed or \
-         for a device that had nothing new; a longer --period, or a --priority that the machine \
-         grants, helps"
+        "no calibration: {missed} of {length} samples are missing, because of missed deadlines or a device without \
+         new samples; use a longer --period, or a --priority that the machine grants"
     )]
     Missing {
         /// Number of missing samples.
@@ -72,8 +71,7 @@ pub enum ShakeDeclined {
     Stopped(Stop),
     /// The device moved too far across the axis.
     #[error(
-        "stopped: the device is {:.1} mm from where it started, across the axis that is \
-         calibrated: guide it along the axis",
+        "stopped: the device is {:.1} mm from its start, across the calibrated axis: guide it along the axis",
         away * 1e3
     )]
     Across {
@@ -81,7 +79,7 @@ pub enum ShakeDeclined {
         away: f64,
     },
     /// The safety layer took the force off.
-    #[error("stopped: safety took the force off ({})", .0.name())]
+    #[error("stopped: the safety layer set the force to 0 ({})", .0.name())]
     SafetyStop(SafetyStop),
 }
 

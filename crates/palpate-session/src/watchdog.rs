@@ -57,7 +57,7 @@ impl Guarding {
             Unguarded::Ended => ("ended", "the watchdog ended"),
             Unguarded::NotListening => (
                 "not-listening",
-                "the watchdog is there and does not listen, as if it were stopped",
+                "the watchdog does not respond and may be suspended",
             ),
         });
         #[cfg(not(unix))]
@@ -101,12 +101,12 @@ impl std::fmt::Display for WatchdogReport {
         let Some(silence) = self.silence_s else {
             return write!(
                 f,
-                "watchdog: off, as asked for; the device holds its last force if this program is killed"
+                "watchdog: off as requested; the device holds its last force if this program is killed"
             );
         };
         write!(
             f,
-            "watchdog: commands no force after {} ms of silence; SCHED_FIFO, priority 99: {}",
+            "watchdog: commands zero force after {} ms of silence; SCHED_FIFO, priority 99: {}",
             palpate_study::text::digits(1e3 * silence),
             if self.first == Some(true) {
                 "granted"
@@ -116,10 +116,10 @@ impl std::fmt::Display for WatchdogReport {
         )?;
         if self.cuts > 0 {
             let times = palpate_study::text::counted(self.cuts, "time");
-            write!(f, "\nthe watchdog commanded no force {times}")?;
+            write!(f, "\nthe watchdog commanded zero force {times}")?;
         }
         if let Some(lost) = self.lost_in_words {
-            write!(f, "\n{lost}; the loop commanded no force from then on")?;
+            write!(f, "\n{lost}; the loop commanded zero force from then on")?;
         }
         Ok(())
     }

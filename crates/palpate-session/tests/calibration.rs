@@ -6,16 +6,16 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use palpate::AlongAxis;
-use palpate_study::calibrate::{Calibration, ExcitationParams, Quantity, measure};
 use palpate_device::Device;
 use palpate_device::clock::SteppedClock;
-use palpate_haply::inverse3::Pace;
-use palpate_haply::two_diy::{Board, Generation};
 use palpate_haply::emulator::inverse3::{Body, Latency, SteppedInverse3};
 use palpate_haply::emulator::two_diy::{Hand, Settings, SteppedTwoDiy, Usb};
+use palpate_haply::inverse3::Pace;
+use palpate_haply::two_diy::{Board, Generation};
 use palpate_rt::StopFlag;
 use palpate_rt::safety::{Heartbeat, SafetyParams};
 use palpate_session::{ShakeDeclined, ShakeError, Shaker};
+use palpate_study::calibrate::{Calibration, ExcitationParams, Quantity, measure};
 use palpate_testbed::actuator::ActuatorParams;
 
 const PUT_IN: ActuatorParams = ActuatorParams {
@@ -70,7 +70,7 @@ fn in_a_hand(board: Board, usb: Usb) -> Settings {
         angles: Some([130.0, 50.0]),
         usb,
         amplifier: PUT_IN,
-        ..Settings::of(Generation::Three, board)
+        ..Settings::new(Generation::Three, board)
     };
     let place = SteppedTwoDiy::new(&settings, SteppedClock::new())
         .unwrap()
@@ -148,7 +148,7 @@ fn a_device_is_calibrated_where_the_hand_brings_it() {
     let settings = Settings {
         hand: Hand::at(place),
         hand_waits: true,
-        ..Settings::of(Generation::Three, Board::M0)
+        ..Settings::new(Generation::Three, Board::M0)
     };
     let run = |wait| {
         let clock = SteppedClock::new();
@@ -165,7 +165,7 @@ fn a_device_is_calibrated_where_the_hand_brings_it() {
         panic!("calibrated on the way");
     };
     let why = why.to_string();
-    assert!(why.contains("from where it started"), "{why}");
+    assert!(why.contains("from its start"), "{why}");
     let there = Settings {
         angles: Some([148.62, 31.38]),
         ..settings.clone()
@@ -184,7 +184,7 @@ fn a_device_is_calibrated_where_the_hand_brings_it() {
 fn a_device_that_is_never_still_is_not_calibrated() {
     let settings = Settings {
         hand: Hand::at([0.019, 0.08]).swaying([0.0, 0.01], 0.7),
-        ..Settings::of(Generation::Three, Board::M0)
+        ..Settings::new(Generation::Three, Board::M0)
     };
     let clock = SteppedClock::new();
     let device = SteppedTwoDiy::new(&settings, clock.clone()).unwrap();

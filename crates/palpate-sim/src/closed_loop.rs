@@ -354,7 +354,7 @@ impl<'a> Bench<'a> {
             parameters,
             ticks,
             held,
-            force: ForceEvaluation::of(&forces, profile).expect("one force per interval"),
+            force: ForceEvaluation::new(&forces, profile).expect("one force per interval"),
             jammed_at,
             left_box_at,
             diverged: Some(self.has_diverged(

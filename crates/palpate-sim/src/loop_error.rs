@@ -20,8 +20,7 @@ pub enum LoopError {
     Ideal(#[from] ReferenceError),
     /// The ideal in closed form does not collide as often as the window asks.
     #[error(
-        "the window asks for {asked} collisions, but the ideal has only {found}; \
-         state a duration instead"
+        "the window requires {asked} collisions, but the ideal has only {found}; give a duration instead"
     )]
     TooFewCollisions {
         /// Requested number of collisions.
@@ -31,8 +30,8 @@ pub enum LoopError {
     },
     /// A run is to vary what the ideal depends on.
     #[error(
-        "the scene differs from the bench's in more than the settings of methods, the guard, what the \
-         renderer is told and, if the loop is perfect, the delay; make a bench of its own for it"
+        "the scene differs from the bench's in more than method settings, guard, model values and, if the loop is \
+         perfect, delay; create another bench for it"
     )]
     AnotherScene,
     /// The window is too long.

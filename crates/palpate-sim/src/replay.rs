@@ -341,7 +341,7 @@ impl Replay {
         Ok(Run {
             method,
             parameters,
-            force: ForceEvaluation::of(&forces, &self.reference.profile)
+            force: ForceEvaluation::new(&forces, &self.reference.profile)
                 .expect("one force per interval"),
             ticks,
             held,

@@ -88,7 +88,7 @@ impl TickedDevice {
     ///
     /// # Errors
     /// A quantity of the device or the hand outside its range.
-    pub fn of(scene: &Scene) -> Result<Self, InvalidParameter> {
+    pub fn new(scene: &Scene) -> Result<Self, InvalidParameter> {
         Ok(Self(Kind::General(Box::new(Plant::of(scene, 1.0)?))))
     }
 }

@@ -24,7 +24,7 @@ impl VirtualDevice {
     ///
     /// # Errors
     /// A quantity of the device or the hand outside its range.
-    pub fn of(scene: &Scene) -> Result<Self, InvalidParameter> {
+    pub fn new(scene: &Scene) -> Result<Self, InvalidParameter> {
         let sign: f64 = scene.contact.side.sign();
         Ok(Self {
             plant: Plant::of(scene, sign)?,

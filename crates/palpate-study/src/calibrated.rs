@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use palpate::Transmission;
 use crate::calibrate::{
     Calibration, Declined, ExcitationError, ExcitationParams, Phase, Quantity, Stop, measure,
 };
+use palpate::Transmission;
 use palpate_device::clock::SteppedClock;
 use palpate_device::{Device, DeviceError, Wrench};
 use palpate_scene::{Model, Scene};
@@ -63,7 +63,7 @@ pub fn excite(
         palpate_scene::SceneDevice::Recorded { .. } => {}
     }
     let clock = SteppedClock::new();
-    let mut device = SimulatedDevice::of(&at_rest, clock.clone())?;
+    let mut device = SimulatedDevice::new(&at_rest, clock.clone())?;
     let mut motion = ExcitedMotion::new(*params)?;
     let period = Duration::from_secs_f64(params.period);
     loop {

@@ -182,8 +182,10 @@ fn remaining_leak(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
     }
     Ok(claim(
         "remaining leak",
-        "on Fig. 2 the leak that remains is at least ten times smaller than the original leak",
-        format!("on the same motion, the sums over the run differ at least {AT_LEAST} times"),
+        "on Fig. 2 the remaining leak is at least ten times smaller than the original leak",
+        format!(
+            "on the same motion, the sums over the run differ by a factor of at least {AT_LEAST}"
+        ),
         found,
     ))
 }
@@ -261,7 +263,7 @@ fn sensitivity_to_damping(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError>
     for collisions in [3, 10] {
         let mut scene = scenes.fig2.clone();
         scene.measure = Measure::Collisions(collisions);
-        let column = [Column::of(MethodName::Hfcr)];
+        let column = [Column::new(MethodName::Hfcr)];
         let swept = sweep(&scene, Quantity::Damping, &DAMPINGS, &column, false, || {})?;
         let errors: Vec<f64> = swept
             .iter()
@@ -282,9 +284,7 @@ fn sensitivity_to_damping(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError>
     Ok(claim(
         "sensitivity to b",
         "the choice of the damping b of leak dissipation is not very sensitive",
-        format!(
-            "from half to double of what the estimate gives, FRE changes at most {AT_MOST} times"
-        ),
+        format!("from half to double the estimate, FRE changes by a factor of at most {AT_MOST}"),
         found,
     ))
 }
@@ -301,7 +301,7 @@ fn almost_stable(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
     .map(|(name, estimate)| Column {
         name: name.into(),
         settings: Settings::default().with(SettingKey::ESTIMATE, estimate),
-        ..Column::of(MethodName::Seh)
+        ..Column::new(MethodName::Seh)
     })
     .into();
     let swept = sweep(
@@ -375,7 +375,7 @@ fn who_stays_in_the_box(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
         }
     }
     Ok(claim(
-        "who stays in the box",
+        "safety box",
         "in the second experiment the damper and POPC-REF leave the safety box, HFCR stays in it",
         "the same here, in each of two boxes".into(),
         found,

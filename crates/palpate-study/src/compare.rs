@@ -130,7 +130,7 @@ pub struct Figures {
 impl Comparison {
     /// Creates the comparison of these scenes.
     #[must_use]
-    pub fn of(scenes: Vec<SceneRows>) -> Self {
+    pub fn new(scenes: Vec<SceneRows>) -> Self {
         Self {
             format: FORMAT,
             scenes,
@@ -153,7 +153,7 @@ impl Comparison {
 
 impl SceneRows {
     /// Creates the rows of a scene from the results of the methods, or the reasons why they cannot run.
-    pub fn of(
+    pub fn new(
         scene: String,
         subject: &Subject,
         reference: &Reference,
@@ -175,7 +175,7 @@ impl SceneRows {
                     let report = MethodReport::new(&run, sign);
                     let remarks = report.remarks();
                     ran.push(run);
-                    (Outcome::Ran(Box::new(Figures::of(report, peak))), remarks)
+                    (Outcome::Ran(Box::new(Figures::new(report, peak))), remarks)
                 }
             };
             methods.push(MethodRow {
@@ -235,7 +235,7 @@ impl SceneRows {
 }
 
 impl Figures {
-    fn of(report: MethodReport, ideal_peak: f64) -> Self {
+    fn new(report: MethodReport, ideal_peak: f64) -> Self {
         Self {
             parameters: report.parameters,
             mean_force_error_percent: report.mean_force_error_percent,
@@ -275,7 +275,7 @@ impl fmt::Display for Comparison {
             "method",
             "E %",
             "FRE %",
-            "FRE/floor",
+            "FRE/bound",
             "peak/ideal",
             "|leak| mJ",
         ];
@@ -333,12 +333,11 @@ impl fmt::Display for Comparison {
             }
         }
         let marks = format!(
-            "{LEAST} least E of those that held together, {BROKEN} diverged, left the safety box or jammed."
+            "{LEAST} least E of the bounded runs, {BROKEN} diverged, left the safety box or jammed."
         );
         writeln!(f, "\n{}", wrapped(&marks))?;
         writeln!(f, "{}", legend(&[E, FRE, ABSOLUTE_LEAK]))?;
-        let settings = "Without a setting in the scene a method has its default; see --json for every \
-                        parameter.";
+        let settings = "A method without a setting in the scene uses its default; --json lists every parameter.";
         writeln!(f, "{}", wrapped(settings))?;
         for file in &self.files {
             writeln!(f, "wrote {file}")?;

@@ -124,7 +124,7 @@ pub enum SweepError {
     #[error("column {0}: its method has no damping to vary")]
     NoDamping(String),
     /// A column has several dampings.
-    #[error("column {0}: a choice of dampings has no place here; name one")]
+    #[error("column {0}: several dampings are not allowed here; name one")]
     Choice(String),
     /// The quantity cannot have this value.
     #[error("{name} {value}: it must be {allowed}")]
@@ -221,7 +221,7 @@ fn at_value(
         .into_iter()
         .zip(&heights)
         .map(|(swept, heights)| Swept {
-            over_heights: Some(SweptHeights::of(heights)),
+            over_heights: Some(SweptHeights::new(heights)),
             ..swept
         })
         .collect())
@@ -249,13 +249,13 @@ fn at_height_of(
         .map(|column| {
             let (_, varied) = column.candidates(scene).swap_remove(0);
             let run = bench.run_varied(&varied, column.method).map_err(wrong)?;
-            Swept::of(&run, ideal_peak_force)
+            Swept::new(&run, ideal_peak_force)
         })
         .collect()
 }
 
 impl Swept {
-    fn of(run: &Run, ideal_peak_force: f64) -> Result<Self, SweepError> {
+    fn new(run: &Run, ideal_peak_force: f64) -> Result<Self, SweepError> {
         let rebound_energy = largest_rebound_energy(run);
         Ok(Self {
             own: run.force.fidelity.ok_or(SweepError::NoContact)?,
@@ -271,7 +271,7 @@ impl Swept {
 }
 
 impl SweptHeights {
-    fn of(heights: &[Swept]) -> Self {
+    fn new(heights: &[Swept]) -> Self {
         let count = |of: fn(&Swept) -> bool| heights.iter().filter(|swept| of(swept)).count();
         Self {
             force_rendering_error: spread(

@@ -68,7 +68,7 @@ pub enum TuneError {
     #[error("{0} has no damping to tune; virtual-damper, popc, popc-ref and hfcr have")]
     NothingToTune(MethodName),
     /// The ideal has no contact, so there is no error.
-    #[error("the ideal has no contact in the window, so there is no error to make small")]
+    #[error("the ideal has no contact in the window, so there is no error to minimise")]
     NoContact,
     /// A loop cannot be run.
     #[error(transparent)]

@@ -180,7 +180,7 @@ fn a_peg_that_is_pressed_for_a_minute() {
         let [force, torque, deepest] = pressed::pressed(&scene, &renderer, seconds)?;
         Some([force, torque, 1e3 * deepest])
     };
-    let scales = [Scale::of(&scene)];
+    let scales = [Scale::new(&scene)];
     let own = renders(scene.method("coupled").unwrap(), EVALUATED).unwrap();
     let title = "ripple of the force %, of the torque %, deepest mm";
     let [_, _, coupling, god_object] = table(title, own, |name| best(name, &scales, 1, renders));

@@ -53,7 +53,7 @@
 //!
 //! // The best any loop can hold at this period: the mean of the ideal force, interval by interval.
 //! let held: Vec<f64> = profile.mean_forces().collect();
-//! let evaluation = ForceEvaluation::of(&held, &profile)?;
+//! let evaluation = ForceEvaluation::new(&held, &profile)?;
 //! let fidelity = evaluation.fidelity.ok_or("no contact")?;
 //! assert_eq!(fidelity.mean_force_error, 0.0);
 //! assert!((fidelity.force_rendering_error - fidelity.hold_bound).abs() < 1e-6);

@@ -58,7 +58,7 @@ pub enum ReferenceError {
     NoCollisions,
     /// The search found too few collisions.
     #[error(
-        "collisions = {asked} is not allowed; allowed: as many as there are within {LONGEST_SEARCH} periods"
+        "collisions = {asked} is not allowed; allowed: at most the number within {LONGEST_SEARCH} periods"
     )]
     TooFewCollisions {
         /// Requested number of collisions.
@@ -186,7 +186,7 @@ pub fn integrate_on<D: DevicePlant + Clone>(
     scene.check()?;
     let mut run = Run::new(device.clone(), scene);
     // The periods of an even grid are gathered anyway.
-    run.cells = (!grid.is_even()).then(|| Cells::of(grid.clone()));
+    run.cells = (!grid.is_even()).then(|| Cells::new(grid.clone()));
     // An excess of a millionth of a period is rounding.
     while (run.impulses.len() as f64 + 1e-6) * scene.period < grid.end() {
         run.period();
@@ -214,7 +214,7 @@ struct Cells {
 }
 
 impl Cells {
-    fn of(grid: Grid) -> Self {
+    fn new(grid: Grid) -> Self {
         Self {
             impulses: vec![0.0; grid.intervals()],
             squared_forces: vec![0.0; grid.intervals()],

@@ -91,7 +91,7 @@ fn points_on_grid(points: usize, friction: f64) -> World {
     };
     let (block, table) = (block(HALF, 0.0), block([0.1, 0.1, 0.02], -0.02));
     let shell = PointShell::over(&block, points).expect("the points are not too many");
-    let grid = DistanceGrid::of(&table, 0.002).expect("the grid fits the table");
+    let grid = DistanceGrid::new(&table, 0.002).expect("the grid fits the table");
     let table = table.with_grid(grid).expect("the grid is of the table");
     let shapes = [block.with_shell(shell), table].map(|mesh| Shape::Mesh(Arc::new(mesh)));
     let [block, table] = shapes;

@@ -34,7 +34,7 @@ pub(crate) fn scaled(axes: &OwnAxes, factors: &Vector3, vector: &Vector3) -> Vec
 }
 
 impl Axes {
-    pub fn of(tool: &Tool) -> Self {
+    pub fn new(tool: &Tool) -> Self {
         let own = tool.own_axes.map(|axes| {
             let columns = axes.map(Vector3::from);
             Matrix3::from_columns(&columns)

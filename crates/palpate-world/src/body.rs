@@ -84,7 +84,7 @@ impl Tool {
         masses: &[M],
         reference: Vector,
     ) -> Result<Self, MassTableError> {
-        let frame = (self.axes, Axes::of(&self).own_axes());
+        let frame = (self.axes, Axes::new(&self).own_axes());
         let table = MassTable::new(frame, places, masses, reference)?;
         let (own, _) = table.principal();
         Ok(Self {

@@ -24,7 +24,7 @@ pub(crate) struct Acting {
 }
 
 impl Acting {
-    fn of(axes: &[Piece<f64>; 3]) -> Self {
+    fn new(axes: &[Piece<f64>; 3]) -> Self {
         let of = |quantity: fn(&Piece<f64>) -> f64| Vector3::from(axes.each_ref().map(quantity));
         Self {
             intended: of(|piece| piece.intended),
@@ -100,7 +100,7 @@ impl Commands {
     /// Returns the mean sent force on a tool over the last interval, or zero if the tool is not tracked.
     pub fn passed_or_none(&self, tool: usize) -> Vector3 {
         let tool = self.tools.get(tool);
-        tool.map_or(Vector3::zeros(), |tool| Acting::of(&tool.passed).sent)
+        tool.map_or(Vector3::zeros(), |tool| Acting::new(&tool.passed).sent)
     }
 
     /// Returns the fraction of the intended force that acted on a tool over the last interval, 0 to 1; less than 1
@@ -109,7 +109,7 @@ impl Commands {
         let Some(tool) = self.tools.get(tool) else {
             return 1.0;
         };
-        let Acting { intended, sent, .. } = Acting::of(&tool.passed);
+        let Acting { intended, sent, .. } = Acting::new(&tool.passed);
         let square = intended.norm_squared();
         if square > 0.0 {
             (sent.dot(&intended) / square).clamp(0.0, 1.0)
@@ -120,7 +120,7 @@ impl Commands {
 
     /// Returns the action on a tool over the last interval.
     pub fn passed(&self, tool: usize) -> Acting {
-        Acting::of(&self.tools[tool].passed)
+        Acting::new(&self.tools[tool].passed)
     }
 
     /// Computes the pieces that act before the command of this sample, which will act over `period` `[s]`. Returns
@@ -152,7 +152,7 @@ impl Commands {
 
     /// Returns the action on a tool during a piece.
     pub fn coming(&self, tool: usize, piece: usize) -> Acting {
-        Acting::of(&self.tools[tool].coming[piece])
+        Acting::new(&self.tools[tool].coming[piece])
     }
 
     /// Returns the command of this sample whose impulse over its `period` `[s]` equals that of `mean` `[N]`.

@@ -55,7 +55,7 @@ pub(crate) struct Facet {
 }
 
 impl Facet {
-    fn of(points: &[Vector3], corners: [usize; 3]) -> Self {
+    fn new(points: &[Vector3], corners: [usize; 3]) -> Self {
         let [a, b, c] = corners.map(|corner| points[corner]);
         let cross = (b - a).cross(&(c - a));
         let sides = [b - a, c - b, a - c].map(|side| side.norm_squared());
@@ -222,7 +222,7 @@ impl Wrapped {
             // Iterate in facet order for determinism; a set is unordered.
             for (from, to) in visible.iter().flat_map(Facet::edges) {
                 if !edges.contains(&(to, from)) {
-                    fresh.push(Facet::of(points, [from, to, next]));
+                    fresh.push(Facet::new(points, [from, to, next]));
                 }
             }
             for number in visible.into_iter().flat_map(|facet| facet.outside) {
@@ -285,7 +285,7 @@ fn start(points: &[Vector3], flat: f64) -> Option<Vec<Facet>> {
         [b, a, fourth],
         [first, b, fourth],
     ]
-    .map(|corners| Facet::of(points, corners));
+    .map(|corners| Facet::new(points, corners));
     let is_closed = facets[0].volume_before(points, &points[fourth]) < 0.0;
     is_closed.then(|| facets.into())
 }

@@ -32,14 +32,12 @@ pub enum HullError {
     Flat,
     /// Too many corners.
     #[error(
-        "the hull has more than {0} corners, and at most {0} are taken; give fewer points, let it leave out points that are further \
-         outside, or take the corners that stand out most, as a scene does without `within_m`"
+        "the hull has more than {0} corners, and at most {0} are allowed; give fewer points, increase the tolerance, \
+         or leave out `within_m`, so that a scene keeps the most prominent corners"
     )]
     TooMany(usize),
     /// The tolerance is not a length.
-    #[error(
-        "the hull may leave points out that are {0} m outside of it; this has to be at least 0 m"
-    )]
+    #[error("the tolerance of the hull is {0} m, and has to be at least 0 m")]
     Within(f64),
     /// The triangulation of the surface is invalid: some corners nearly coincide.
     #[error("the triangles of the hull's surface: {0}")]
@@ -56,7 +54,7 @@ impl fmt::Debug for Hull {
 }
 
 impl HullError {
-    fn of(reason: NoHull, most: usize) -> Self {
+    fn new(reason: NoHull, most: usize) -> Self {
         match reason {
             NoHull::TooMany => Self::TooMany(most),
             NoHull::Flat | NoHull::Broken => Self::Flat,
@@ -82,7 +80,7 @@ impl Mesh {
         let size = places.iter().map(Vector3::amax).fold(0.0, f64::max);
         let most = Self::MAX_CONVEX_CORNERS;
         let within = SINGLE_PRECISION * size;
-        let refused = |reason| HullError::of(reason, most);
+        let refused = |reason| HullError::new(reason, most);
         let (corners, faces) = triangles(&places, within, most).map_err(refused)?;
         match surface(&corners, &faces) {
             Ok(mesh) if mesh.is_closed() => Ok(mesh),
@@ -169,9 +167,9 @@ impl Hull {
     /// # Errors
     /// The points are coplanar.
     pub fn simplified(points: &[Vector]) -> Result<Self, HullError> {
-        Self::of(points, |places| {
+        Self::new(points, |places| {
             Corners::of_most(places, Self::SIMPLIFIED_CORNERS)
-                .map_err(|why| HullError::of(why, Self::MAX_CORNERS))
+                .map_err(|why| HullError::new(why, Self::MAX_CORNERS))
         })
     }
 
@@ -185,12 +183,12 @@ impl Hull {
         if !(tolerance >= 0.0 && tolerance.is_finite()) {
             return Err(HullError::Within(tolerance));
         }
-        Self::of(points, |places| {
-            Corners::around(places, tolerance).map_err(|why| HullError::of(why, Self::MAX_CORNERS))
+        Self::new(points, |places| {
+            Corners::around(places, tolerance).map_err(|why| HullError::new(why, Self::MAX_CORNERS))
         })
     }
 
-    fn of(
+    fn new(
         points: &[Vector],
         corners: impl Fn(&[Vector3]) -> Result<Corners, HullError>,
     ) -> Result<Self, HullError> {

@@ -61,7 +61,7 @@ pub struct JointLaw {
 impl JointLaw {
     /// Creates a bearing with this stiffness `[N/m]` and length `[m]`, without damping, spring and stops.
     #[must_use]
-    pub fn of(stiffness: f64, span: f64) -> Self {
+    pub fn new(stiffness: f64, span: f64) -> Self {
         Self {
             stiffness,
             damping: 0.0,

@@ -179,12 +179,12 @@ impl Passage {
 
 impl Linkage {
     /// Returns `None` for a device with a constant mass.
-    pub fn of(tool: &Tool) -> Option<Self> {
+    pub fn new(tool: &Tool) -> Option<Self> {
         let table = tool.mass_table.as_ref()?;
         let (_, masses) = table.principal();
         Some(Self {
             table: table.clone(),
-            axes: Axes::of(tool),
+            axes: Axes::new(tool),
             roots: masses.map(f64::sqrt),
         })
     }
@@ -366,7 +366,7 @@ mod tests {
     #[test]
     fn device_and_avatar_go_the_way_that_finer_intervals_go() {
         let tool = tool();
-        let (linkage, theta, h) = (Linkage::of(&tool).unwrap(), theta(&tool), 0.004);
+        let (linkage, theta, h) = (Linkage::new(&tool).unwrap(), theta(&tool), 0.004);
         let begin = Start {
             position: Vector3::new(-0.03, -0.013, 0.045),
             velocity: Vector3::new(0.4, 0.2, -0.5),
@@ -423,7 +423,7 @@ mod tests {
     #[test]
     fn at_its_reference_it_is_a_device_of_the_masses_there() {
         let tool = tool();
-        let (linkage, theta) = (Linkage::of(&tool).unwrap(), theta(&tool));
+        let (linkage, theta) = (Linkage::new(&tool).unwrap(), theta(&tool));
         let rest = Start {
             position: Vector3::from(START),
             velocity: Vector3::zeros(),

@@ -41,7 +41,7 @@ pub enum MassTableError {
     },
     /// A coordinate that is not finite or not above the previous one, or an empty list.
     #[error(
-        "the places along axis {axis} are {places:?}, and have to be one or more finite numbers, each above the one before"
+        "the places along axis {axis} are {places:?}, and have to be one or more finite numbers in increasing order"
     )]
     Places {
         /// Index of the axis, from 1.
@@ -51,7 +51,8 @@ pub enum MassTableError {
     },
     /// The number of matrices differs from the number of grid points.
     #[error(
-        "there are {given} matrices, and the grid has {places} places; give one for each, those of the last axis side by side"
+        "there are {given} matrices, and the grid has {places} places; give one for each, with the last axis varying \
+         fastest"
     )]
     Count {
         /// Number of given matrices.
@@ -72,9 +73,7 @@ pub enum MassTableError {
         size: &'static str,
     },
     /// A matrix that is not finite and positive definite.
-    #[error(
-        "matrix {number} is {matrix:?}, and has to be finite and positive definite: no motion has an energy of 0 or less"
-    )]
+    #[error("matrix {number} is {matrix:?}, and has to be finite and positive definite")]
     Matrix {
         /// Index of the matrix, from 1.
         number: usize,
@@ -83,7 +82,7 @@ pub enum MassTableError {
     },
     /// Matrices with an interpolated matrix between them that is not positive definite.
     #[error(
-        "the masses change so much from place to place that one between the places {from:?} and {to:?} m is not positive \
+        "the masses change too much between the places {from:?} and {to:?} m: an interpolated mass is not positive \
          definite; give more places there"
     )]
     Between {

@@ -21,7 +21,7 @@ const MAX_OF_A_PATCH: usize = 16;
 
 impl Patch {
     /// Divides a shell into patches, given the indices and positions of its points.
-    pub fn of(points: Vec<(usize, Vector3)>) -> Vec<Self> {
+    pub fn new(points: Vec<(usize, Vector3)>) -> Vec<Self> {
         let (mut whole, mut left) = (Vec::new(), vec![points]);
         while let Some(mut points) = left.pop() {
             let (mut low, mut high) = (points[0].1, points[0].1);
@@ -356,7 +356,7 @@ mod tests {
             let of_pair = (0..)
                 .zip(&near.points)
                 .filter(|(_, point)| point.second == fixed);
-            patches.extend(Patch::of(
+            patches.extend(Patch::new(
                 of_pair
                     .map(|(number, point)| (number, point.centre))
                     .collect(),

@@ -30,7 +30,7 @@ pub enum Side {
 
 impl Side {
     /// Returns the side for an index among tools and bodies, tools first.
-    pub(crate) fn of(number: usize, tools: usize) -> Self {
+    pub(crate) fn new(number: usize, tools: usize) -> Self {
         match number.checked_sub(tools) {
             None => Self::Tool(number),
             Some(body) => Self::Body(body),
@@ -216,7 +216,7 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                 Some((first, second, Ok((spheres, solid)))) => {
                     if spheres.len() > PointShell::MAX_ALWAYS {
                         let numbered = (points.len()..).zip(spheres.iter().map(|sphere| sphere.centre));
-                        patches.extend(Patch::of(numbered.collect()));
+                        patches.extend(Patch::new(numbered.collect()));
                         in_patches += spheres.len();
                     }
                     let each = spheres.iter();
@@ -231,10 +231,10 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     WorldField::Shape,
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
-                        "there is no contact of {} with {} yet: they can touch along an edge where no corner is. A mesh may \
-                         touch a sphere, a tool of several and a half-space; with a shell of points also a box, hull, \
-                         capsule or cylinder, and a mesh with a distance grid. Give one of them another shape, such as a hull, \
-                         or leave the pair without a law",
+                        "there is no contact of {} with {} yet: edges can touch away from corners. A mesh can touch a \
+                         sphere, a tool of several spheres and a half-space; with a shell of points also a box, hull, \
+                         capsule, cylinder, and a mesh with a distance grid. Change one of the shapes, for example to \
+                         a hull, or remove the law of the pair",
                         one.words(),
                         other.words()
                     ),
@@ -300,12 +300,12 @@ struct Touching {
 fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> WorldError {
     let why = match reason {
         NoHull::TooMany => format!(
-            "the convex hull around it has more than {MAX_POINTS} corners, and it touches a half-space by these; give it \
-             a shell of points (`shell = {{ points = 60 }}` in its mesh), make it a hull (`hull` in place of `mesh`), or leave the \
-             pair without a law"
+            "its convex hull has more than {MAX_POINTS} corners, its contact points with a half-space; give it a shell \
+             of points (`shell = {{ points = 60 }}` in its mesh), make it a hull (`hull` instead of `mesh`), or remove \
+             the law of the pair"
         ),
         NoHull::Flat | NoHull::Broken => {
-            "all of it lies in a plane or nearly so, and has no convex hull by whose corners it could touch a half-space"
+            "it is flat or nearly flat, so it has no convex hull whose corners could touch a half-space"
                 .into()
         }
     };
@@ -393,7 +393,7 @@ fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Sol
             .into(),
         _ => return None,
     };
-    Some(Ok((spheres, Solid::of(other)?)))
+    Some(Ok((spheres, Solid::new(other)?)))
 }
 
 impl Corners {

@@ -70,7 +70,7 @@ impl WorldRenderer {
             .iter()
             .map(|tool| {
                 let mobility = Mobility {
-                    linear_axes: Axes::of(tool).own_axes(),
+                    linear_axes: Axes::new(tool).own_axes(),
                     ..Mobility::none()
                 };
                 let nowhere = Rigid {
@@ -117,7 +117,7 @@ impl WorldRenderer {
             world: world.clone(),
             described,
             turns: world.tools.iter().map(|tool| tool.turns).collect(),
-            axes: world.tools.iter().map(Axes::of).collect(),
+            axes: world.tools.iter().map(Axes::new).collect(),
             parts,
             surfaces: found.surfaces,
             blocks: found.blocks,
@@ -157,7 +157,7 @@ impl WorldRenderer {
             carried: vec![None; self.carried()],
             expects_the_missed: false,
         };
-        let side = |number: usize| Side::of(number, self.tools);
+        let side = |number: usize| Side::new(number, self.tools);
         let contacts = self.points.iter().map(|point| ContactState {
             between: [side(point.first), side(point.second)],
             mode: crate::Mode::Free,

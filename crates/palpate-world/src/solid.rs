@@ -86,7 +86,7 @@ pub(crate) const NO_DIRECTION: f64 = 1e-12;
 
 impl Solid {
     /// Returns the solid of a shape; `None` for several spheres, a hull, and a mesh without a distance grid.
-    pub fn of(shape: &Shape) -> Option<Self> {
+    pub fn new(shape: &Shape) -> Option<Self> {
         Some(match *shape {
             // Contacts of spheres with a mesh are evaluated per pair.
             Shape::Spheres { .. } | Shape::Hull(_) => return None,
@@ -128,7 +128,7 @@ impl Solid {
                 corners: hull.by_corners().clone(),
                 reach: hull.by_corners().reach(),
             }),
-            other => Self::of(other),
+            other => Self::new(other),
         }
     }
 

@@ -108,7 +108,7 @@ impl WorldState {
         let Moving {
             surfaces, tools, ..
         } = &self.progress.now;
-        let side = |number: usize| Side::of(number, *tools);
+        let side = |number: usize| Side::new(number, *tools);
         let inside = surfaces.iter().filter(|surface| surface.is_inside());
         inside.map(move |surface| surface.parts().map(side))
     }

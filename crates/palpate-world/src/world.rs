@@ -79,13 +79,14 @@ impl World {
                 let message = if tool.own_axes.is_none() {
                     "the device has no axis of the world; give it at least one of x, y and z"
                 } else {
-                    "the device has none of its own axes; give it at least one. A device of a loop that lacks an axis of the \
-                     world needs own axes of which that is one"
+                    "the device has none of its own axes; give it at least one. If a device of a loop lacks an axis of \
+                     the world, its own axes have to include that axis"
                 };
                 of.fault(WorldField::Axes, message.into());
             }
             if !tool.gives_torque && !tool.turns {
-                let message = "gives_torque is false, and is read only of a tool that turns; let it turn, or leave this out";
+                let message = "gives_torque is false, and applies only to a tool that turns; make the tool turn or \
+                               remove gives_torque";
                 of.fault(WorldField::GivesTorque, message.into());
             }
             if let Some(off) = tool.own_axes.map(off_right_angles)
@@ -94,7 +95,8 @@ impl World {
                 of.fault(
                     WorldField::OwnAxes,
                     format!(
-                        "own_axes are {:?}, off unit vectors at right angles by {off:e}; at most {MAX_OFF_RIGHT_ANGLES:e} is allowed",
+                        "own_axes are {:?}, with a deviation from orthonormal vectors of {off:e}; at most \
+                         {MAX_OFF_RIGHT_ANGLES:e} is allowed",
                         tool.own_axes.unwrap_or_default()
                     ),
                 );
@@ -177,7 +179,7 @@ impl<'a> Faults<'a> {
 
     fn name<'n>(&mut self, name: &'n str, taken: &mut HashSet<&'n str>) {
         if name.is_empty() || name == "*" {
-            self.fault(WorldField::Name, format!("{name:?} is no name"));
+            self.fault(WorldField::Name, format!("{name:?} is not a valid name"));
         } else if !taken.insert(name) {
             self.fault(
                 WorldField::Name,
@@ -218,7 +220,7 @@ impl<'a> Faults<'a> {
         if one == other {
             self.fault(
                 WorldField::Between,
-                format!("{one:?} cannot touch itself; name two"),
+                format!("{one:?} cannot touch itself; give two different names"),
             );
         } else if is_tool(one) && is_tool(other) {
             self.fault(
@@ -234,10 +236,13 @@ impl<'a> Faults<'a> {
         if !(length > 0.0 && length.is_finite()) {
             self.fault(
                 field,
-                format!("{field} has length {length} and so no direction; give it one"),
+                format!("{field} has length {length}, so it has no direction; give a finite length above 0"),
             );
         } else if !is_unit {
-            self.fault(field, format!("{field} has length {length}, and needs 1"));
+            self.fault(
+                field,
+                format!("{field} has length {length}, and has to have length 1"),
+            );
         }
     }
 
@@ -261,7 +266,7 @@ impl<'a> Faults<'a> {
             Shape::Spheres { ref spheres } => {
                 if !may_be_a_point {
                     let message =
-                        "several spheres are the shape of a tool, and a body is one shape";
+                        "several spheres are allowed only for a tool; a body has one shape";
                     self.fault(WorldField::Shape, message.into());
                 }
                 if spheres.is_empty() {
@@ -304,7 +309,7 @@ impl<'a> Faults<'a> {
                 Some(body) => moves |= body.motion != Motion::Fixed,
                 None => self.fault(
                     WorldField::Between,
-                    format!("{name:?} is no body of this world"),
+                    format!("{name:?} is not a body of this world"),
                 ),
             }
         }
@@ -332,12 +337,14 @@ impl<'a> Faults<'a> {
             let [low, high] = limits;
             self.finite(WorldField::Limits, &limits);
             if low > high {
-                let message = format!("limits are {low} and {high}: the first is the lower one");
+                let message =
+                    format!("limits are {low} and {high}; the lower limit has to come first");
                 self.fault(WorldField::Limits, message);
             }
             if joint.kind == JointKind::Hinge && (low < -MAX_TURN || high > MAX_TURN) {
                 let message = format!(
-                    "limits are {low} and {high}, and a hinge has stops between -{MAX_TURN} and {MAX_TURN} rad"
+                    "limits are {low} and {high}, and those of a hinge have to be between -{MAX_TURN} and {MAX_TURN} \
+                     rad"
                 );
                 self.fault(WorldField::Limits, message);
             }
@@ -379,20 +386,20 @@ impl<'a> Faults<'a> {
         }
         let message = match filled {
             None => {
-                "the mesh has open edges, so it encloses no volume from which its inertia would follow; give three \
-                 moments of inertia about the mesh's origin, which is the centre of mass then, or close the mesh"
+                "the mesh has open edges, so its inertia cannot be computed; close the mesh, or give three moments of \
+                 inertia about its origin, which is then the centre of mass"
                     .into()
             }
             Some(of) if !is_solid => format!(
-                "the {word} passes through itself, so that parts of it count as hollows: filled evenly, each kilogram of it would have \
-                 the moments of inertia {:?} kg m^2, and those of a mass are above 0; mend it, or give three moments about the \
-                 {word}'s origin, which is the centre of mass then",
+                "the {word} intersects itself, so parts of it count as hollows: its moments of inertia for 1 kg would \
+                 be {:?} kg m^2, and they have to be above 0; repair it, or give three moments about the {word}'s \
+                 origin, which is then the centre of mass",
                 of.moments
             ),
             Some(of) => format!(
-                "the {word} has its centre of mass at {:?} m or is turned against its principal axes, so its moments of \
-                 inertia do not say how it turns; balance the body, or give three moments about the {word}'s origin, which \
-                 is the centre of mass then",
+                "the {word} has its centre of mass at {:?} m, or its axes are not principal axes, so three \
+                 moments of inertia do not describe its rotation; balance the body, or give three moments about the \
+                 {word}'s origin, which is then the centre of mass",
                 of.centre
             ),
         };
@@ -409,7 +416,7 @@ impl<'a> Faults<'a> {
                 self.fault(
                     WorldField::Inertia,
                     format!(
-                        "inertia has a moment of {most}, and no mass has one that is larger than the sum of the other two, {}",
+                        "inertia has a moment of {most}, and it has to be at most the sum of the other two, {}",
                         sum - most
                     ),
                 );

@@ -11,7 +11,7 @@ use crate::parameter::{Allowed, Parameter, ParameterError};
 /// ```
 /// use palpate::Difficulty;
 ///
-/// let second_experiment = Difficulty::of(400.0, 0.25, 0.1, 0.02)?;
+/// let second_experiment = Difficulty::new(400.0, 0.25, 0.1, 0.02)?;
 /// assert!((second_experiment.kappa - 0.64_f64).abs() < 1e-12);
 /// assert!((second_experiment.object_kappa - 1.6_f64).abs() < 1e-12);
 /// assert!((second_experiment.stiffness(0.25, 0.02)? - 400.0).abs() < 1e-9);
@@ -33,7 +33,7 @@ impl<S: Scalar> Difficulty<S> {
     ///
     /// # Errors
     /// A stiffness or period is not finite and positive, or a mass is not positive.
-    pub fn of(
+    pub fn new(
         stiffness: S,
         device_mass: S,
         object_mass: S,

@@ -49,7 +49,7 @@ impl<S: Scalar> Response<S> {
     }
 
     /// Creates the response of an interval of `duration` `[s]` with these derivatives.
-    pub fn of(
+    pub fn new(
         penetration: [S; 4],
         speed: [S; 4],
         ramp: [S; 2],

@@ -100,7 +100,7 @@ impl fmt::Display for Fault {
             Self::GapTooLong => "the time since the previous sample exceeds the largest gap",
             Self::JumpTooFast => "the device jumped faster than its speed limit",
             Self::OrientationNotUnit => {
-                "the device orientation is missing, or is no quaternion of length 1"
+                "the device orientation is missing or is not a unit quaternion"
             }
             Self::Overflow => {
                 "the force or a motion would not be a finite number: a contact may be too stiff or too damped for its \

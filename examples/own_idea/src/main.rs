@@ -99,7 +99,7 @@ fn figure(reference: &Reference, runs: &[Run]) -> Figure {
         }
     };
     Figure {
-        title: "Looking half a period ahead, beside the spring force and coupled rendering".into(),
+        title: "Look-ahead of half a period, spring force and coupled rendering".into(),
         x_label: "time [s]".into(),
         rows: shown
             .iter()

@@ -244,7 +244,7 @@ fn described(
             )
         } else {
             return Err(format!(
-                "{name} has a collider of the shape {:?}, but must have balls, cuboids and convex polyhedrons",
+                "{name} has a collider of the shape {:?}, but only balls, cuboids and convex polyhedrons are supported",
                 shape.shape_type()
             ));
         };

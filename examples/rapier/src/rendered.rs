@@ -55,7 +55,7 @@ impl Bench {
         let checked = CheckedIdeal::new(&scene.evaluated, grid);
         let checked = checked.map_err(|error| format!("{name}: the ideal: {error}"))?;
         if let Some(time) = checked.chaotic_from {
-            return Err(format!("{name}: there is no ideal from {time} s on"));
+            return Err(format!("{name}: the ideal is unknown from {time} s on"));
         }
         Ok(Self {
             scene,
@@ -141,11 +141,11 @@ impl Bench {
             device.hold(&[now]);
         }
         times.sort_by(f64::total_cmp);
-        let evaluation = WorldEvaluation::of(&scene.evaluated, &self.ideal, &[held]);
+        let evaluation = WorldEvaluation::new(&scene.evaluated, &self.ideal, &[held]);
         let evaluation = evaluation.map_err(|error| wrong(&error))?;
         let sum = evaluation
             .sum
-            .ok_or_else(|| wrong(&"the tool is not touched"))?;
+            .ok_or_else(|| wrong(&"the tool has no contact"))?;
         Ok(Outcome {
             error: sum.mean_force_error,
             over_bound: sum.error_over_bound.unwrap_or(f64::INFINITY),

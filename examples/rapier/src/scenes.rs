@@ -96,7 +96,7 @@ fn evaluated(scene: &Scene) -> WorldScene {
     let weight = [0.0, 0.0, -GRAVITY * BODY_MASS];
     let mut bodies = vec![WorldBody {
         position: scene.place,
-        motion: Some(FreeMotion::of(&shape, BODY_MASS).pulled_by(weight)),
+        motion: Some(FreeMotion::new(&shape, BODY_MASS).pulled_by(weight)),
         ..fixed("body", shape)
     }];
     let mut pairs = vec![Pair {

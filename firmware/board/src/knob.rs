@@ -111,7 +111,7 @@ fn stall_if_requested(pins: &Pins) {
 // SAFETY: the handler does not panic on an unknown interrupt, and shares only atomics.
 #[exception]
 unsafe fn DefaultHandler(interrupt: i16) {
-    match Timer::of(interrupt) {
+    match Timer::new(interrupt) {
         Some(Timer::World) => {
             Timer::World.acknowledge();
             emulated::resume();

@@ -64,7 +64,7 @@ impl Timer {
     }
 
     /// Returns the timer of an interrupt.
-    pub fn of(interrupt: i16) -> Option<Self> {
+    pub fn new(interrupt: i16) -> Option<Self> {
         [Self::World, Self::Supervisor]
             .into_iter()
             .find(|timer| i16::try_from(timer.number()) == Ok(interrupt))

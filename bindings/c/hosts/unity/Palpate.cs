@@ -209,7 +209,7 @@ namespace Palpate
         {
             if (Native.palpate_abi_version() != AbiVersion)
             {
-                throw new ParameterException("Palpate.cs and the library palpate do not belong together");
+                throw new ParameterException("Palpate.cs and the library palpate have different interface versions");
             }
             WithMethod(contact, method, settings, given => Native.palpate_contact_new(ref given, ref loop, out handle));
         }

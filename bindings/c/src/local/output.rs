@@ -24,7 +24,7 @@ pub enum ModelRefusal {
 }
 
 impl ModelRefusal {
-    pub(super) fn of(why: Option<Why>) -> Self {
+    pub(super) fn new(why: Option<Why>) -> Self {
         match why {
             None => Self::None,
             Some(Why::NotYet) => Self::NotYet,
@@ -92,10 +92,10 @@ impl From<&HeldLocal<'_>> for LocalOutput {
     fn from(held: &HeldLocal<'_>) -> Self {
         Self {
             age: held.age.unwrap_or(f64::INFINITY),
-            fault: Fault::of(held.fault.map(|fault| fault.fault)),
+            fault: Fault::new(held.fault.map(|fault| fault.fault)),
             limited: limits(held.limited, held.bounded),
             is_stale: u32::from(held.is_stale),
-            refusal: ModelRefusal::of(held.refusal),
+            refusal: ModelRefusal::new(held.refusal),
             sub_steps: held.effort.sub_steps,
             refined: held.effort.refined,
             unrefined: held.effort.unrefined,

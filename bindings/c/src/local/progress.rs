@@ -50,7 +50,7 @@ impl From<&LocalProgress> for Progress {
             model_tick: progress.model_tick.unwrap_or(0),
             has_model: u32::from(progress.model_tick.is_some()),
             is_stale: u32::from(progress.is_stale),
-            refusal: ModelRefusal::of(progress.refusal),
+            refusal: ModelRefusal::new(progress.refusal),
             reserved: 0,
         }
     }

@@ -274,6 +274,6 @@ impl Recorder {
 /// Returns the error for a tick of another object than the recorded one.
 fn other(made_of: &str, given: &str) -> Refusal<'static> {
     Refusal::Recording(format!(
-        "the recorder was made of {made_of}, and this is a tick of {given}"
+        "the recorder is for {made_of}, but this is a tick of {given}"
     ))
 }

@@ -110,7 +110,7 @@ impl Asked {
         let device = text(params.device, "device")?;
         Ok(Self {
             device: device.map_or_else(
-                || String::from("# name: not said\n"),
+                || String::from("# name: unknown\n"),
                 |name| format!("name = {name:?}\n"),
             ),
             scene: text(params.scene, "scene")?,

@@ -111,7 +111,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
         }
         if changes != world.changes {
             return Err(Refusal::Recording(
-                "the world was changed since the recorder was made, and has other bodies: close it, and make another one"
+                "the bodies of the world have changed since the recorder was made: close it and make another recorder"
                     .into(),
             ));
         }

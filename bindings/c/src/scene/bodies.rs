@@ -32,7 +32,7 @@ pub unsafe extern "C" fn palpate_scene_add_device(
         // The same rule applies to files.
         if name.contains(|letter: char| letter.is_control() || "\",".contains(letter)) {
             return Err(wrong(format!(
-                "name is {name:?}, but must have no comma, quotation mark or control character: it begins names of columns"
+                "name is {name:?}, but must have no comma, quotation mark or control character: column names begin with it"
             )));
         }
         scene.free_name(name)?;

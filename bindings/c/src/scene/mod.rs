@@ -211,7 +211,7 @@ impl Scene {
             || bodies.iter().any(|body| body.name == *name);
         if is_taken {
             return Err(wrong(format!(
-                "name is {name:?}, which a device or body of the scene has already"
+                "name is {name:?}, which a device or body of the scene already has"
             )));
         }
         Ok(())

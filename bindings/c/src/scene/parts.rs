@@ -67,7 +67,7 @@ impl BodyParams {
             ] {
                 if value != [0.0; 3] {
                     return Err(Refusal::Numbers(format!(
-                        "body \"{name}\": {key} is {value:?}, and a fixed body (mass INFINITY) has none"
+                        "body \"{name}\": {key} is {value:?}, but a fixed body (mass INFINITY) has none"
                     )));
                 }
             }

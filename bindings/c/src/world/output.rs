@@ -76,7 +76,7 @@ impl From<&Held<'_>> for WorldOutput {
     fn from(held: &Held<'_>) -> Self {
         let device = held.fault.and_then(|fault| fault.tool);
         Self {
-            fault: Fault::of(held.fault.map(|fault| fault.fault)),
+            fault: Fault::new(held.fault.map(|fault| fault.fault)),
             fault_device: device
                 .and_then(|device| u32::try_from(device).ok())
                 .unwrap_or(PALPATE_NO_DEVICE),

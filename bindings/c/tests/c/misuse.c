@@ -52,7 +52,7 @@ static void parameters(void) {
   loop = loop_params();
   loop.device_mass = NAN;
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_PARAMETER,
-          "device_mass is NaN kg, but must be greater than 0, or 0 where it is not known");
+          "device_mass is NaN kg, but must be greater than 0, or 0 if unknown");
   loop = loop_params();
   loop.guard = 3;
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_PARAMETER,
@@ -131,7 +131,7 @@ static void structs(void) {
   palpate_contact_free(contact);
   newer.unknown = 1.0;
   snprintf(words, sizeof words,
-           "struct_size of palpate_contact_params is %zu, of which this library knows %zu; what is beyond "
+           "struct_size of palpate_contact_params is %zu, but this library knows %zu bytes; the bytes beyond "
            "must be 0",
            sizeof newer, sizeof params);
   REFUSED(palpate_contact_new(&newer.known, &loop, &contact), PALPATE_STATUS_STRUCT_SIZE, words);
@@ -175,7 +175,7 @@ static void ticks(void) {
 
   loop.period = 0.002;
   REFUSED(palpate_contact_change(contact, &params, &loop), PALPATE_STATUS_CHANGE,
-          "the period is 0.002 s, and the loop runs at 0.001 s; stop it to change that");
+          "the period is 0.002 s, and the loop runs at 0.001 s; stop the loop to change its period");
   palpate_contact_free(contact);
 }
 

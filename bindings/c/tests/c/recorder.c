@@ -84,11 +84,11 @@ static void ticks(palpate_contact *contact, palpate_world *world) {
   EXPECT(again == NULL);
   EXPECT(tick(recorder, contact, 0.001) == PALPATE_STATUS_OK);
   REFUSED(palpate_recorder_world_tick(recorder, world, &of_world, &answer, &wrench), PALPATE_STATUS_RECORDING,
-          "the recorder was made of a contact, and this is a tick of a world");
+          "the recorder is for a contact, but this is a tick of a world");
   {
     palpate_contact *other = a_wall();
     REFUSED(palpate_recorder_contact_tick(recorder, other, &sample, &output, 0.0), PALPATE_STATUS_RECORDING,
-            "the recorder was made of a contact, and this is a tick of another one");
+            "the recorder is for a contact, but this is a tick of another one");
     palpate_contact_free(other);
   }
   EXPECT(palpate_recorder_contact_tick(NULL, contact, &sample, &output, 0.0) == PALPATE_STATUS_NULL);
@@ -108,7 +108,7 @@ static void ticks(palpate_contact *contact, palpate_world *world) {
 
   EXPECT(palpate_recorder_of_world(world, in_folder("world.mcap"), NULL, &recorder) == PALPATE_STATUS_OK);
   REFUSED(palpate_recorder_contact_tick(recorder, contact, &sample, &output, 0.0),
-          PALPATE_STATUS_RECORDING, "the recorder was made of a world, and this is a tick of a contact");
+          PALPATE_STATUS_RECORDING, "the recorder is for a world, but this is a tick of a contact");
   of_world.pose_count = 2;
   REFUSED(palpate_recorder_world_tick(recorder, world, &of_world, &answer, &wrench), PALPATE_STATUS_COUNT, "pose_count is 2");
   of_world.pose_count = 1;
@@ -167,7 +167,7 @@ static void devices(const char *scene, palpate_world *of_one) {
     if (tick == 199) {
       EXPECT(wrenches[0].force[0] < -0.01 && wrenches[1].force[0] > 0.01);
       REFUSED(palpate_recorder_world_tick(right, of_one, &sample, &output, &wrenches[1]), PALPATE_STATUS_RECORDING,
-              "the recorder was made of a world, and this is a tick of another one");
+              "the recorder is for a world, but this is a tick of another one");
       REFUSED(palpate_recorder_world_tick(right, again, &sample, &output, &wrenches[1]), PALPATE_STATUS_RECORDING,
               "a tick of another one");
       sample.pose_count = 1;

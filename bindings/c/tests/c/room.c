@@ -29,7 +29,7 @@ int main(int argc, char **argv) {
   EXPECT(palpate_contact_new(&wall, &loop, &contact) == PALPATE_STATUS_OK);
   params.room = (size_t)1 << 24;
   EXPECT(palpate_recorder_of_contact(contact, argv[1], &params, &recorder) == PALPATE_STATUS_MEMORY);
-  EXPECT(recorder == NULL && strstr(palpate_last_error(), "room for 16777216 ticks takes ") != NULL);
+  EXPECT(recorder == NULL && strstr(palpate_last_error(), "a buffer for 16777216 ticks needs ") != NULL);
   snprintf(part, sizeof part, "%s.part", argv[1]);
   EXPECT((file = fopen(argv[1], "r")) == NULL && (file = fopen(part, "r")) == NULL);
   /* The failed call left no file. */

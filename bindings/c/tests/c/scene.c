@@ -272,7 +272,7 @@ static void misuse(void) {
 
   REFUSED(palpate_scene_add_device(scene, "second", &device, &shape), PARAMETER, "mass is 0");
   for (int axis = 0; axis < 3; axis++) device.mass[axis] = 0.1;
-  REFUSED(palpate_scene_add_device(scene, "block", &device, &shape), SCENE, "has already");
+  REFUSED(palpate_scene_add_device(scene, "block", &device, &shape), SCENE, "already has");
   REFUSED(palpate_scene_add_device(scene, "left,right", &device, &shape), SCENE, "must have no comma");
   shape.kind = PALPATE_SHAPE_KIND_HALF_SPACE, shape.normal[2] = 1.0, shape.radius = 0.01;
   REFUSED(palpate_scene_add_device(scene, "second", &device, &shape), PARAMETER, "a tool has to be a sphere");
@@ -290,7 +290,7 @@ static void misuse(void) {
   REFUSED(palpate_scene_add_body(scene, "*", &body, &shape), SCENE, "must be a name");
   REFUSED(palpate_scene_add_body(scene, "world", &body, &shape), SCENE, "must be a name");
   REFUSED(palpate_scene_add_body(scene, NULL, &body, &shape), NULL, "name is NULL");
-  REFUSED(palpate_scene_add_body(scene, "block", &body, &shape), SCENE, "has already");
+  REFUSED(palpate_scene_add_body(scene, "block", &body, &shape), SCENE, "already has");
   shape.kind = 8;
   REFUSED(palpate_scene_add_body(scene, "new", &body, &shape), PARAMETER, "kind is 8");
   shape.kind = PALPATE_SHAPE_KIND_MESH;
@@ -313,7 +313,7 @@ static void misuse(void) {
   EXPECT(body.mass == 0.05);
   /* A fixed body would silently ignore its velocity. */
   body.mass = INFINITY, body.velocity[0] = 1.0;
-  REFUSED(palpate_scene_set_body(scene, "block", &body, NULL), PARAMETER, "velocity is [1.0, 0.0, 0.0], and a fixed body");
+  REFUSED(palpate_scene_set_body(scene, "block", &body, NULL), PARAMETER, "velocity is [1.0, 0.0, 0.0], but a fixed body");
   body.velocity[0] = 0.0, body.angular_velocity[2] = 1.0, shape.radius = 0.01;
   REFUSED(palpate_scene_add_body(scene, "new", &body, &shape), PARAMETER, "angular_velocity is [0.0, 0.0, 1.0]");
   OK(palpate_scene_body(scene, "block", &body));

@@ -1,8 +1,8 @@
 """Energy-consistent haptic contact rendering.
 
-palpate computes the contact force between a haptic device and a virtual object, or a wall, at the loop rate
-that the device affords, counts the energy that each method creates, and compares each force with the exact
-one. This package has the renderers and studies of the Rust library palpate; the numbers are the same.
+palpate computes the contact force between a haptic device and a virtual object or wall at the loop rate of the
+device. It reports the generated energy of each method and the error of each force against the reference solution.
+This package calls the renderers and studies of the Rust library palpate and returns bit-identical numbers.
 
     import palpate
 
@@ -10,11 +10,10 @@ one. This package has the renderers and studies of the Rust library palpate; the
     r.step(-0.001)  # position of the device [m] in, force on the device [N] out
     f = r.step(0.002)
 
-`Renderer` is one contact along one axis, `Loop` runs it on a device in real time, `World` is several devices, bodies and contacts in space, and
-`palpate.engines` renders contacts with the bodies of other physics engines.
+`Renderer` renders one contact along one axis. `World` renders several devices, bodies and contacts in space. `Loop`
+runs either on a device in real time. `palpate.engines` renders contacts with the bodies of other physics engines.
 
-All values are SI. Where a name stands for a number in an array or a report, its unit is at
-the end of the name.
+All values are in SI units. The name of a number in an array or a report ends with its unit.
 """
 
 from . import devices
@@ -59,7 +58,7 @@ __all__ = [
     "Bench",
     "BodyLedger",
     "BodyState",
-    "Books",
+    "EnergyLedger",
     "Calibration",
     "ContactLedger",
     "ContactState",

@@ -1,4 +1,4 @@
-"""Arrays of numbers, as callers have them and as the compiled part takes them."""
+"""Conversion of the caller's arrays to the memory layout of the compiled module."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
-    """The numbers of an argument in double precision, side by side in memory: whatever layout, byte order and width they had.
+    """Returns an argument as a C-contiguous array of native doubles. Any layout, byte order and width is accepted.
 
-    Where they are so already, this is the caller's own array.
+    An array that already has this layout is returned without a copy.
 
     Raises:
-        ValueError: What is no array of real numbers, or has numbers that are masked.
+        ValueError: The argument is not an array of real numbers, or has masked values.
     """
     if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
-        raise ValueError(f"{name} has numbers that are masked, but each must be known")
+        raise ValueError(f"{name} has masked values, but every value must be known")
     try:
         array = np.asarray(given)
     except ValueError as error:
-        raise ValueError(f"{name} is no array of numbers: {error}") from None
+        raise ValueError(f"{name} is not an array of numbers: {error}") from None
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name} is of type {array.dtype}, but must be of numbers")
     if array.dtype == np.float64 and array.dtype.isnative and array.flags.c_contiguous and array.flags.aligned:
@@ -30,10 +30,10 @@ def numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
 
 
 def known(name: str, given: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The numbers of an argument, each of which has to be finite.
+    """Checks that all numbers of an argument are finite, and returns the argument.
 
     Raises:
-        ValueError: One that is not, with its place.
+        ValueError: A number is not finite; the message has its index.
     """
     if not np.isfinite(given).all():
         place = tuple(int(at) for at in np.argwhere(~np.isfinite(given))[0])
@@ -42,10 +42,10 @@ def known(name: str, given: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def row(name: str, given: ArrayLike) -> list[float]:
-    """The numbers of an argument that is one row.
+    """Returns the numbers of a one-dimensional argument as a list.
 
     Raises:
-        ValueError: As those of `numbers`; a shape that is not of one dimension.
+        ValueError: As for `numbers`; or the argument does not have one dimension.
     """
     array = numbers(name, given)
     if array.ndim != 1:
@@ -54,5 +54,5 @@ def row(name: str, given: ArrayLike) -> list[float]:
 
 
 def plain(value: Any) -> Any:
-    """A number of NumPy as Python's own, which JSON can write; other values as they are."""
+    """Converts a NumPy scalar to a Python number, for JSON; returns other values unchanged."""
     return value.item() if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0) else value

@@ -1,4 +1,4 @@
-"""Calibrations, their device files, and the page about a device."""
+"""Calibrations, device files and device reports."""
 
 from __future__ import annotations
 
@@ -18,34 +18,35 @@ from ._scene import SceneLike, _scene
 
 
 class Excitation(Fixed, _palpate.Excitation):
-    """Forces that shake a device, so that its motion says what a renderer has to know of it.
+    """Excitation force for the identification of a device.
 
-    Make one, give it the position of the device at each period, and command the force that it answers. When it is
-    `done`, `palpate.calibrate` fits the motion. It is what `palpate calibrate --pipe` does.
+    Pass the position of the device to `step` in each period and command the returned force. When the excitation is
+    `done`, `palpate.calibrate` identifies the device from the motion, as `palpate calibrate --pipe` does.
 
         excitation = palpate.Excitation(period=0.001, largest_force=0.5)
         while not excitation.done:
             command(excitation.step(read_position()))  # [m] in, [N] out
         found = palpate.calibrate(excitation)
 
-    Hold the device as in use. The first 0.5 s have no force, the last answer is 0. When `step` raises, command 0: it
-    asks for no force any more. Python does not keep time: where a period passes without a sample, the fit takes the
-    device for a slower one. `palpate calibrate --device` has a loop that keeps time, and a safety layer.
+    Hold the device as in use. The force is 0 during the first 0.5 s and after the last sample. If `step` raises,
+    command 0: the excitation has ended. Python does not keep time: if a period passes without a sample, the
+    identification attributes the delay to the device. `palpate calibrate --device` has a real-time loop and a safety
+    layer.
 
     Args:
         period: Period of the loop [s], 0.0001 to 0.02.
         largest_force: Largest force on the device [N], 0.01 to 20.
-        duration: How long it takes [s], 2 to 120.
-        excursion: How far the device may go from where it starts [m]; beyond, `step` raises.
-        tremor: Largest tremor of the hand, root mean square, before the force begins [m].
+        duration: Duration of the excitation [s], 2 to 120.
+        excursion: Allowed distance of the device from its start position [m]; beyond it `step` raises.
+        tremor: Largest RMS tremor of the hand before the force begins [m].
         seed: Seed of the random force steps.
 
     Raises:
-        ValueError: A value that is not allowed.
+        ValueError: An argument is not allowed.
     """
 
     parameters: dict[str, Any]
-    """The arguments that it was made with. They cannot be set."""
+    """Arguments of the constructor, read-only."""
 
     def __new__(
         cls,
@@ -71,7 +72,7 @@ class Excitation(Fixed, _palpate.Excitation):
 
     @property
     def motion(self) -> NDArray[np.float64]:
-        """Positions [m] and the forces [N] that they were answered with so far, in two columns."""
+        """Positions [m] and returned forces [N] so far, in two columns."""
         return np.column_stack([self.positions, self.forces])
 
     def __repr__(self) -> str:
@@ -80,9 +81,9 @@ class Excitation(Fixed, _palpate.Excitation):
 
 
 class Calibration(Report):
-    """What a calibration found: the fields of `palpate calibrate --json`, and the device file.
+    """Result of a calibration: the fields of `palpate calibrate --json`, and the device file.
 
-    `found["device_mass_kg"].value` and `.standard_deviation` are what was found under the keys of a device file.
+    Each key of the device file has an estimate, such as `found["device_mass_kg"].value`, and a `.standard_deviation`.
     """
 
     __slots__ = ("_device_file", "_whole")
@@ -100,11 +101,11 @@ class Calibration(Report):
         self._whole = whole
 
     def to_toml(self) -> str:
-        """The device file as text (TOML): `Path("device.toml").write_text(found.to_toml())`."""
+        """Returns the device file as text (TOML): `Path("device.toml").write_text(found.to_toml())`."""
         return self._device_file
 
     def to_report(self) -> str:
-        """The report with a part of the motion, as JSON, as `palpate calibrate --report` writes it."""
+        """Returns the report with an excerpt of the motion as JSON, as `palpate calibrate --report` writes it."""
         return self._whole
 
     def __reduce__(self) -> Any:
@@ -112,11 +113,11 @@ class Calibration(Report):
 
 
 DeviceFile = Union[str, "os.PathLike[str]", Calibration]
-"""The path of a device file, or a calibration."""
+"""Path of a device file, or a calibration."""
 
 
 def named_text(file: DeviceFile | None) -> tuple[str, str] | None:
-    """The name and the text of a device file."""
+    """Returns the name and the text of a device file."""
     if file is None:
         return None
     if isinstance(file, Calibration):
@@ -134,27 +135,27 @@ def calibrate(
     axis: str | None = None,
     **excitation: float,
 ) -> Calibration:
-    """Measures what a renderer has to know of a device, as `palpate calibrate` does.
+    """Identifies the parameters of a device, as `palpate calibrate` does.
 
     Args:
-        device: An excitation of a device that is done. Or a scene, or the path of one: its device is calibrated in
-            simulated time, in its hand, which does not push.
-        gain: Force that the motor gives over the force that is commanded, where it was measured.
-        spring: Stiffness of a spring that the device is fixed to, with no hand on it [N/m]: gives the gain.
-        added_mass: Mass that was fixed to the device after the calibration `before`, with no hand on it [kg]: gives
+        device: A completed excitation; or a scene, or the path of a scene file. The device of a scene is calibrated in
+            simulated time, in its hand, which exerts no force of its own.
+        gain: Measured ratio of delivered to commanded force, if known.
+        spring: Stiffness of a spring that the device is fixed to, without a hand [N/m]; it determines the gain.
+        added_mass: Mass that was fixed to the device after the calibration `before`, without a hand [kg]; it determines
             the gain.
-        before: Device file or calibration of the same device without that mass.
-        axis: What the device file says of the axis.
-        excitation: Of a scene: the arguments of `palpate.Excitation`; the period is the scene's where none is given.
+        before: Device file or calibration of the same device without `added_mass`.
+        axis: Description of the axis for the device file.
+        excitation: Arguments of `palpate.Excitation`, for a scene only. The default period is that of the scene.
 
     Returns:
-        What was found, and the device file.
+        The estimates and the device file.
 
     Raises:
-        ValueError: No calibration, with the reason: an excitation that stopped or is not done, a motion that says
-            too little; a value that is not allowed.
-        TypeError: Arguments of an excitation beside one.
-        OSError: A file that cannot be read.
+        ValueError: The calibration failed, with the reason: the excitation stopped or is incomplete, or the motion does
+            not determine the parameters; or an argument is not allowed.
+        TypeError: Arguments of an excitation are given together with an excitation.
+        OSError: A file cannot be read.
     """
     if isinstance(device, Excitation):
         if excitation:
@@ -181,7 +182,7 @@ def calibrate(
 
 
 class DeviceReport(Report):
-    """What is to be said of a device: the fields of `palpate report --json`, and its page."""
+    """Device report: the fields of `palpate report --json`, and its page."""
 
     __slots__ = ("_page",)
 
@@ -190,7 +191,7 @@ class DeviceReport(Report):
         self._page = page
 
     def to_html(self) -> str:
-        """The page as HTML: one file, without scripts, without anything that lies elsewhere.
+        """Returns the page as one HTML file without scripts and external resources.
         `Path("device.html").write_text(page.to_html(), encoding="utf-8")` writes it."""
         return self._page
 
@@ -208,25 +209,25 @@ def report(
     period: float | None = None,
     method: str | Sequence[str] | None = None,
 ) -> DeviceReport:
-    """Makes the report of a device from recordings and from its calibration, as `palpate report` does.
+    """Creates the device report from recordings and a calibration, as `palpate report` does.
 
     Args:
-        recordings: Recordings of the device (MCAP), at most 3, of one device.
-        device_file: Its device file, or its calibration.
-        calibration: Report of the calibration (JSON) with a part of the motion, `palpate calibrate --report`. A
-            `device_file` that is a `Calibration` has it.
-        name: What the device is called; `None`: as the recording says.
-        stiffness: Stiffness that is asked about [N/m]; `None`: that of the recording, or 1000.
+        recordings: Recordings (MCAP) of one device, at most 3.
+        device_file: Device file or calibration of the device.
+        calibration: Report of the calibration (JSON) with an excerpt of the motion, from `palpate calibrate --report`.
+            A `device_file` that is a `Calibration` contains it.
+        name: Name of the device; `None`: the name in the recording.
+        stiffness: Contact stiffness to evaluate [N/m]; `None`: that of the recording, or 1000.
         period: Period of the loop [s]; `None`: that of the recording, or of the device file.
         method: Methods to compare; `None`: `basic`, `virtual-damper`, `hfcr` and `coupled`.
 
     Returns:
-        The report, and its page.
+        The report and its page.
 
     Raises:
-        ValueError: A file that is none of its kind, recordings of several devices, a value that is not allowed.
-        TypeError: Neither recordings nor a device file.
-        OSError: A file that cannot be read.
+        ValueError: A file has the wrong format, the recordings are of several devices, or an argument is not allowed.
+        TypeError: Neither recordings nor a device file are given.
+        OSError: A file cannot be read.
     """
     several = [recordings] if isinstance(recordings, (str, os.PathLike)) else [*recordings]
     motion: tuple[str, str] | None = None

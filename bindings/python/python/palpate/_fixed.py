@@ -1,4 +1,4 @@
-"""What may be set on an object after it was made, and values that are likely to be mistakes."""
+"""Read-only parameters, and warnings about implausible values."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from . import _palpate
 
 
 class Fixed:
-    """An object whose parameters are those that it was made with: to set one is an error and not silence."""
+    """Object with read-only parameters: an assignment raises an error instead of being ignored."""
 
     __slots__ = ()
     _settable: ClassVar[frozenset[str]] = frozenset()
     """Attributes that may be set."""
     _way: ClassVar[str] = "make another one"
-    """What to do in place of it."""
+    """Advice in the message of a rejected assignment."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and name not in self._settable:
@@ -26,18 +26,18 @@ class Fixed:
             is_begun = any(name in vars(kind).get("__annotations__", {}) for kind in ours) and not hasattr(self, name)
             is_parameter = any(name in _parameters(kind) for kind in ours)
             if not is_theirs and not is_begun and (is_parameter or type(self) in ours):
-                what = "a parameter, which cannot be set on" if is_parameter else "nothing that can be set on"
+                what = "a parameter, which cannot be set on" if is_parameter else "not a settable attribute of"
                 raise AttributeError(f"{name} is {what} a {type(self).__name__}: {self._way}")
         super().__setattr__(name, value)
 
     def _found(self, **values: Any) -> None:
-        """Sets attributes that the object itself has found out."""
+        """Sets attributes that the object determines itself."""
         for name, value in values.items():
             super().__setattr__(name, value)
 
 
 class FixedParameters(Dict[str, Any]):
-    """Parameters that something was made with. They are read, copied and pickled as a dictionary; to change one is an error."""
+    """Read-only parameters of an object. They can be read, copied and pickled like a dictionary."""
 
     _way: str
 
@@ -46,7 +46,7 @@ class FixedParameters(Dict[str, Any]):
         self._way = way
 
     def _refuse(self, *_: Any, **__: Any) -> Any:
-        raise TypeError(f"these parameters are those that it was made with and change nothing: {self._way}")
+        raise TypeError(f"these parameters are read-only and change nothing: {self._way}")
 
     __setitem__ = __delitem__ = __ior__ = _refuse
     clear = pop = popitem = setdefault = update = _refuse
@@ -55,7 +55,7 @@ class FixedParameters(Dict[str, Any]):
         return (dict, (dict(self),))
 
     def copy(self) -> dict[str, Any]:
-        """A dictionary of its own, which may be changed."""
+        """Returns an independent dictionary, which may be changed."""
         return dict(self)
 
 
@@ -64,7 +64,7 @@ def _is_ours(kind: type) -> bool:
 
 
 def _parameters(kind: type) -> tuple[str, ...]:
-    """Names of the arguments by which an object of this kind is made."""
+    """Returns the names of the constructor arguments of a class."""
     made: list[str] = []
     for function in (vars(kind).get("__new__"), vars(kind).get("__init__")):
         code = getattr(getattr(function, "__func__", function), "__code__", None)
@@ -74,7 +74,7 @@ def _parameters(kind: type) -> tuple[str, ...]:
 
 
 def question_period(period: Any, name: str = "period", stacklevel: int = 3) -> None:
-    """Warns of a period that no haptic loop has: its unit is likely to be milliseconds."""
+    """Warns about a period that is implausible for a haptic loop: its unit is probably milliseconds."""
     if isinstance(period, (int, float)):
         question = _palpate.period_question(name, f"{name}=0.001", period)
         if question is not None:

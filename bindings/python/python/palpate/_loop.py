@@ -1,4 +1,4 @@
-"""`Loop`: a renderer or a world on a device in real time, beside Python."""
+"""`Loop`: a renderer or a world on a device in real time, in a thread of its own."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .devices import Device, PointerInWorld
 
 
 class LoopError(RuntimeError):
-    """A loop that has ended by itself, stands still, or could not end as it should."""
+    """The loop has ended by itself, has stalled, or could not shut down properly."""
 
 
 class Spread(NamedTuple):
@@ -33,85 +33,85 @@ class Spread(NamedTuple):
     median: float
     """Median [s]."""
     p99: float
-    """What 99 % of the ticks do not exceed [s]."""
+    """99th percentile [s]."""
     longest: float
     """Longest [s]."""
 
 
 class Granted(NamedTuple):
-    """What the machine was asked for, and what came of it."""
+    """A request to the operating system and its result."""
 
     asked: str
-    """What was asked for."""
+    """The request."""
     granted: bool
-    """Whether it is so."""
+    """Whether the request was granted."""
     text: str
-    """Both in words, with what can be done about a refusal."""
+    """Request and result in words, with advice if the request was denied."""
 
 
 class LoopStatus(NamedTuple):
-    """How a loop stands."""
+    """State of a loop."""
 
     running: bool
-    """Whether its thread runs."""
+    """Whether the thread of the loop runs."""
     ticks: int
-    """Ticks that it has made, as far as was heard."""
+    """Number of ticks received from the loop."""
     lost: int
-    """Ticks that no `read` has given or will give: they made room for newer ones, or never came."""
+    """Ticks that no `read` returns: newer ticks replaced them, or the loop dropped them."""
     silent: float | None
-    """Time since the last tick was heard [s]; `None` before the first."""
+    """Time since the last received tick [s]; `None` before the first tick."""
     cuts: int
-    """How often the supervisor commanded no force, because the loop stood still."""
+    """How often the supervisor commanded zero force because the loop had stalled."""
     motors_off: bool
-    """Whether a safety stop of the safety kept the motors off at the end of the last tick."""
+    """Whether a safety stop kept the motors off at the end of the last tick."""
     force: tuple[float, float, float]
-    """Force that the device says it holds, along its axes [N]; NaN where it did not say. Of several devices, of the first."""
+    """Force that the device reports, along its axes [N]; NaN if it reports none. With several devices: the first."""
     forces: tuple[tuple[float, float, float], ...] = ()
-    """The same of each device, in the order of the world."""
+    """Reported force of each device [N], in the order of the world."""
 
 
 class LoopReport(NamedTuple):
-    """What a loop has left behind."""
+    """Final report of a loop."""
 
     ending: str | None
-    """Why it ended; `None` for a loop that was never started."""
+    """Reason for the end; `None` for a loop that was never started."""
     failure: str | None
-    """What went wrong: a lost device, a panic, a recording that could not be written, a device that could not be let go of."""
+    """Failure, if any: a lost device, a panic, an unwritable recording, or an output that could not be disabled."""
     safety_stop: str | None
-    """The safety stop of the safety that held the force at none in the end."""
+    """Safety stop that was active at the end, if any."""
     ticks: int
-    """Ticks."""
+    """Number of ticks."""
     missed_deadlines: int
-    """Deadlines that were missed, and skipped."""
+    """Number of missed deadlines; they are skipped."""
     without_sample: int
-    """Ticks that found no fresh sample."""
+    """Number of ticks without a fresh sample."""
     refused: int
-    """Ticks whose sample the renderer has refused: it asked for no force."""
+    """Number of ticks whose sample the renderer rejected; their force is 0."""
     motors_off: int
-    """Ticks at whose end a safety stop kept the motors off."""
+    """Number of ticks at whose end a safety stop kept the motors off."""
     cuts: int
-    """How often the supervisor commanded no force."""
+    """How often the supervisor commanded zero force."""
     lateness: Spread
-    """How long after its deadline a tick began [s]."""
+    """Time from the deadline of a tick to its start [s]."""
     duration: Spread
-    """How long a tick took, from the sample's arrival to the force's [s]."""
+    """Duration of a tick, from the arrival of the sample to the command of the force [s]."""
     recorded: int | None
-    """Ticks in the recording; `None` where there is none."""
+    """Number of ticks in the recording; `None` without a recording."""
     unrecorded: int | None
-    """Ticks that the recording lacks; `None` where there is none."""
+    """Number of ticks missing from the recording; `None` without a recording."""
     device: str | None = None
-    """Of several devices the one that the safety stop is of, by its name in the world; `None` of one device, and without a safety stop."""
+    """Name of the device with the safety stop; `None` for a single device or without a safety stop."""
 
 
 class Loop(Fixed, _palpate.Loop):
-    """A renderer or a world on a device in real time: the loop of `palpate run`, in a thread that never waits for Python.
+    """Real-time loop that renders a renderer or a world on a device, as `palpate run` does, in a thread without Python.
 
         with palpate.Loop(palpate.devices.Pointer(), palpate.Renderer(stiffness=400.0, ...)) as loop:
             ticks = loop.read(wait=1.0)
 
-    The thread samples the device, renders, and commands the force through a safety layer (`docs/realtime.md`). Python reads
-    what it did, and changes what it renders. The loop begins the renderer anew; the renderer itself is left as it is, and
-    its `force_limit` and `soft_start` are the loop's. A world is begun anew likewise:
+    The thread samples the device, renders, and commands the force through a safety layer (`docs/realtime.md`). Python
+    reads the ticks and can change the rendering. The loop renders a copy of the renderer or world, from its initial
+    state; `force_limit` and `soft_start` of the renderer apply to the loop.
 
         world = palpate.World("experiments/worlds/paddle.toml")
         device = palpate.devices.PointerInWorld(world)
@@ -119,58 +119,61 @@ class Loop(Fixed, _palpate.Loop):
             device.move_to([0.0, 0.0, 0.01])
             ticks, bodies = loop.read(wait=1.0), loop.bodies
 
-    A world of several devices runs on one for each, by the names that they have there:
+    A world with several devices needs one device for each name:
 
         world = palpate.World("experiments/worlds/pinch.toml")
         fingers = {name: palpate.devices.PointerInWorld(world, name) for name in ("left", "right")}
         with palpate.Loop(fingers, world) as loop:
             ticks, devices = loop.read(wait=1.0), loop.devices
 
-    What a game or an engine of another rate publishes is rendered by a `palpate.engines.LowRateSimulator`.
+    A `palpate.engines.LowRateSimulator` renders the bodies of a game or an engine that runs at a lower rate.
 
-    Where one device has no good sample, safety stops, is cut or does not take its force, no device has a force.
+    If one device has no valid sample, has a safety stop, is cut off by the supervisor or rejects its force, all devices
+    get zero force.
 
-    The loop ends, and the device is commanded no force, when the `with` block is left by its end, by an exception or by
-    Ctrl-C; by `stop`; when the interpreter exits; when nobody refers to the loop any more. A signal that ends Python at once,
-    such as SIGTERM without a handler, is not among these: then a watchdog takes the force off a device that holds it.
+    The loop ends and commands zero force when the `with` block ends, normally, by an exception or by Ctrl-C; on `stop`;
+    when the interpreter exits; and when the loop is garbage-collected. A signal that ends Python immediately, such as
+    SIGTERM without a handler, does not end the loop properly. In this case a watchdog process removes the force of a
+    device that holds its last command.
 
     Args:
-        device: One of `palpate.devices`; of a world with several devices one for each, by its name in the world.
-        renderer: What is rendered: a `Renderer`, a `World` with devices of three or six axes, or a `palpate.engines.LowRateSimulator`, on a
-            device of a `World` or a real one.
-        record: A recording (MCAP) to write; a file that is there is not overwritten.
-        ring: Ticks that wait for `read`; of more, the oldest make room and are counted.
-        largest_speed: Speed of the device above which the motors are off [m/s].
-        range: Where the device may be along the contact's axis, from and to [m]; `None`: anywhere. Not for a world.
-        oscillation: Energy created within a fifth of a second that counts as oscillation [J]; `math.inf`: none does.
-        stall_after: Periods from tick to tick after which a supervisor commands no force; `None`: 1.5, or a period and 3 ms
-            where that is more.
-        priority: Priority under SCHED_FIFO that the machine is asked for, 1 to 98; 0: none.
-        lock_memory: Whether the memory of the whole process is to be kept from being moved out.
+        device: One of `palpate.devices`; for a world with several devices a mapping from their names to devices.
+        renderer: A `Renderer`, a `World` with devices of three or six axes, or a `palpate.engines.LowRateSimulator`,
+            which runs on a device of a `World` or on a real device.
+        record: Path of the recording (MCAP) to write; an existing file is not overwritten.
+        ring: Capacity of the buffer for `read` [ticks]; if it is full, the oldest ticks are dropped and counted.
+        largest_speed: Device speed above which a safety stop switches the motors off [m/s].
+        range: Allowed positions of the device along the contact's axis, from and to [m]; `None`: any. Not for a world.
+        oscillation: Energy generated within 0.2 s that counts as oscillation [J]; `math.inf`: no check.
+        stall_after: Periods from tick to tick after which a supervisor commands zero force; `None`: 1.5, or a period
+            and 3 ms if that is longer.
+        priority: Requested priority under SCHED_FIFO, 1 to 98; 0: none.
+        lock_memory: Whether to lock the memory of the whole process in RAM.
         processor: Processor to run on; `None`: any.
-        spin: How long to stay awake before each deadline [s], at most 1.
+        spin: Time of busy waiting before each deadline [s], at most 1.
 
     Raises:
-        ValueError: A value that is not allowed, by the name of its argument.
-        OSError: A device that cannot be opened; a recording that cannot be begun.
+        ValueError: An argument is not allowed; the message names it.
+        OSError: A device cannot be opened, or a recording cannot be created.
     """
 
     granted: list[Granted]
-    """What the machine was asked for, and what it granted; empty before the start."""
+    """Requests to the operating system and their results; empty before the start."""
     report: LoopReport | None
-    """What the loop has left behind; `None` before its end."""
+    """Final report; `None` before the end."""
     bodies: NDArray[np.void]
-    """The bodies of a world at the ticks that the last `read` gave: an array with the fields of `palpate.BODIES`. Those that
-    move, and the proxies of the devices."""
+    """Bodies of a world at the ticks of the last `read`: an array with the fields of `palpate.BODIES`. It contains the
+    moving bodies and the proxies of the devices."""
     devices: NDArray[np.void]
-    """The devices of a world with several at the ticks that the last `read` gave: an array with the fields of `palpate.DEVICES`. Of
-    a loop with one device it is empty: the ticks have all of it."""
+    """Devices of a world at the ticks of the last `read`: an array with the fields of `palpate.DEVICES`. It is empty
+    for a loop with one device, whose data are in the ticks."""
     device_names: tuple[str, ...]
-    """The names that the devices have in the world, by the field `device`. Of a renderer none."""
+    """Names of the devices, indexed by the field `device`. Empty for a renderer."""
     body_names: tuple[str, ...]
-    """The names of a world's bodies by the field `body`; the last are the devices, whose proxies they are. Of a renderer none."""
+    """Names of the bodies of a world, indexed by the field `body`; the last are the devices, for their proxies. Empty
+    for a renderer."""
     contact_names: tuple[tuple[str, str], ...]
-    """Between which two each contact of a world is, by the field `pair` of its row. Of a renderer none."""
+    """Names of the two sides of each contact of a world, indexed by the field `pair`. Empty for a renderer."""
 
     _way: ClassVar[str] = "make another Loop; change(renderer) or change(world) changes what it renders"
 
@@ -212,10 +215,10 @@ class Loop(Fixed, _palpate.Loop):
         parameters: dict[str, Any] = {}
         if not isinstance(renderer, Renderer) and range is not None:
             kind = "World" if isinstance(renderer, World) else "LowRateSimulator"
-            raise ValueError(f"range is along the axis of a Renderer's contact, which a {kind} has not")
+            raise ValueError(f"range is for a Renderer, whose contact has one axis; a {kind} has no range")
         if not isinstance(renderer, World) and isinstance(device, Mapping):
             kind = "Renderer" if isinstance(renderer, Renderer) else "LowRateSimulator"
-            raise ValueError(f"devices by their names are of a World; a {kind} runs on one device")
+            raise ValueError(f"device is a mapping of names, which is for a World; a {kind} runs on one device")
         if isinstance(renderer, Renderer):
             if record is not None and not isinstance(device, Mapping):
                 options["scene"] = _scene(device, renderer)
@@ -241,13 +244,13 @@ class Loop(Fixed, _palpate.Loop):
     _said: bool
 
     def start(self) -> list[Granted]:  # type: ignore[override]
-        """Starts the loop's thread. A loop runs once.
+        """Starts the thread of the loop. A loop runs once.
 
         Returns:
-            What the machine was asked for, and whether it granted that. The loop runs in any case.
+            Requests to the operating system and their results. The loop runs in any case.
 
         Raises:
-            RuntimeError: A loop that was started before.
+            RuntimeError: The loop was started before.
         """
         self._found(granted=[Granted(*answer) for answer in super().start()])
         self._started = True
@@ -255,12 +258,12 @@ class Loop(Fixed, _palpate.Loop):
         return self.granted
 
     def stop(self) -> LoopReport:  # type: ignore[override]
-        """Ends the loop and waits until the device was commanded no force, was closed, and the recording is written.
+        """Ends the loop. Waits until zero force is commanded, the device is closed, and the recording is written.
 
-        A second call gives the same report.
+        A second call returns the same report.
 
         Raises:
-            LoopError: Something went wrong, once; `report` has it all.
+            LoopError: The loop or its shutdown failed. It is raised once; `report` has the details.
         """
         _RUNNING.discard(self)
         (ending, failure, safety_stop, device), counts, (lateness, duration), recorded = super().stop()
@@ -273,16 +276,16 @@ class Loop(Fixed, _palpate.Loop):
         return report
 
     def read(self, wait: float = 0.0) -> NDArray[np.void]:
-        """The ticks since the last `read`, oldest first: an array with the fields of `palpate.RECORDED`.
+        """Returns the ticks since the last `read`, oldest first: an array with the fields of `palpate.RECORDED`.
 
-        Of a world, a tick has an element for each of its contacts, and one without a value of a contact where nothing
-        touches; `contact_names` has the names, `bodies` the bodies at these ticks, and `devices` each of several devices.
+        For a world, a tick has one element per contact, or one element without contact values if nothing touches.
+        `contact_names` has the names. `bodies` and, with several devices, `devices` have the states at these ticks.
 
         Args:
-            wait: How long to wait for the first of them [s]; 0: not at all.
+            wait: Longest time to wait for the first tick [s]; 0: no wait.
 
         Raises:
-            LoopError: The loop has ended by itself and all its ticks were read; or no tick came within `wait`.
+            LoopError: The loop has ended by itself and all its ticks were read; or no tick arrived within `wait`.
         """
         words, bodies, devices = self.take(wait)
         ticks = words.view(RECORDED)
@@ -292,7 +295,7 @@ class Loop(Fixed, _palpate.Loop):
         return ticks
 
     def _say_why(self, wait: float) -> None:
-        """Says why there is no tick, where that is not what somebody wanted."""
+        """Raises the reason for missing ticks, if the loop has ended by itself or has stalled."""
         now = self.status
         if self._started and self.report is None and not now.running:
             # The loop ended by itself: report the reason.
@@ -300,58 +303,61 @@ class Loop(Fixed, _palpate.Loop):
             raise LoopError(f"the loop has ended: {report.ending}")
         if wait > 0.0 and now.running:
             silent = "none since its start" if now.silent is None else f"the last one {now.silent:.3g} s ago"
-            raise LoopError(f"the loop stands still: no tick within {wait} s, {silent}")
+            raise LoopError(f"the loop has stalled: no tick within {wait} s, {silent}")
 
     def events(self) -> list[Event]:  # type: ignore[override]
-        """What happened beside the ticks since this was asked last: faults, safety stops, changes, missed deadlines, the end.
+        """Returns the events since the last call: faults, safety stops, changes, missed deadlines and the end.
 
-        The newest 1000 are kept; where older ones are gone, the first event says how many (`kind` is `"lost"`).
+        The newest 1000 events are kept. If older ones were dropped, the first event has their number and the kind
+        `"lost"`.
         """
         pending, gone = super().events()
         events = [Event(*event) for event in pending]
         if gone:
             sequence, at = (events[0].sequence, events[0].t_s) if events else (0, 0.0)
-            events.insert(0, Event(sequence, at, "lost", f"events before this one that were not read in time: {gone}"))
+            events.insert(0, Event(sequence, at, "lost", f"earlier events that were not read in time: {gone}"))
         return events
 
     def change(self, world: World | None = None, **changes: Any) -> int:  # type: ignore[override]
-        """Renders by other parameters from the next tick on: any of `Renderer`, its method and the method's settings; or another
-        world.
+        """Changes the rendering from the next tick on: any argument of `Renderer`, or the world.
 
             loop.change(stiffness=800.0, mass=0.2)
             loop.change(world.replace(contacts=[...]))  # of a World; loop.change(contacts=[...]) is the same
 
-        Stiffness, mass and virtual force, and the difference that another method makes, pass over in a tenth of a second.
-        Another method begins with its own defaults. The object's position and velocity are those of the start: they do not
-        change. An object that becomes a wall stays where it is if the device touches it, and else goes to `object_position`.
+        Changes of stiffness, mass, virtual force and method are blended over 0.1 s. A new method starts with its own
+        default settings. `object_position` and `object_velocity` are initial values: a change does not move the object.
+        An object that becomes a wall stays at its position if the device touches it; otherwise it moves to
+        `object_position`.
 
-        A world may have other masses, weights, shapes, laws of contact, joints, places and another method; the devices, the
-        bodies and the pairs that may touch stay, and so do the period and the limits of the loop. A body of which the tables
-        have the same place and motion as before goes on from where it is, as fast as it is; another is put where they say.
-        The device is held as by the world before for three ticks, and the force passes over in a tenth of a second. The books of energy go on.
+        The new world may have other masses, weights, shapes, contact laws, joints, positions and another method. The
+        devices, the bodies, the pairs in contact, the period and the limits of the loop must stay. A body whose tables
+        have the same initial position and velocity keeps its current state; another body moves to the state of the
+        tables. The force of the old world continues for three ticks, then it is blended into the new one over 0.1 s.
+        The energy ledger continues.
 
         Args:
-            world: Another world, of a loop of a world.
-            changes: Arguments of `Renderer`, or of a loop of a world those of `World.replace`.
+            world: New world, for a loop of a world.
+            changes: Arguments of `Renderer`; for a loop of a world, arguments of `World.replace`.
 
         Returns:
-            Number of the change: ticks have it in the field `generation` from where it is in force.
+            Number of the change. The field `generation` of the ticks has it from the tick at which the change applies.
 
         Raises:
-            ValueError: A value that is not allowed; the period, the side and the limits of the loop do not change.
+            ValueError: An argument is not allowed; the period, the side and the limits of the loop cannot change.
             RuntimeError: The loop has ended.
-            TypeError: A loop of a LowRateSimulator, which publishes what is rendered; a world for a loop that renders a contact, or not a world; an argument that there is not.
+            TypeError: The loop renders a LowRateSimulator, which publishes its own contacts; a world is given to a loop
+                of a renderer; `world` is not a world; or an argument is unknown.
         """
         if self._is_slow:
-            raise TypeError("what a LowRateSimulator publishes is rendered; its next `publish` changes that")
+            raise TypeError("the loop renders the contacts of a LowRateSimulator; its next `publish` changes them")
         limits = ("force_limit", "torque_limit", "soft_start")
         if self._world is not None:
             return self._change_world(self._world if world is None else world, changes, limits)
         if world is not None:
-            raise TypeError("the loop renders a Renderer; a World runs in a Loop of its own")
+            raise TypeError("the loop renders a Renderer; make another Loop for a World")
         for name in limits:
             if name in changes:
-                raise ValueError(f"{name} is a limit of the loop, and stays while it runs; make another Loop")
+                raise ValueError(f"{name} is a limit of the loop and cannot change while it runs; make another Loop")
         method, before, soft_start, settings = _split(self._parameters)
         kept = settings if changes.get("method", method) == method else {}
         parameters = {"method": method, **before, "soft_start": soft_start, **kept, **changes}
@@ -366,12 +372,12 @@ class Loop(Fixed, _palpate.Loop):
             raise TypeError(f"world is {world!r}, but must be a palpate.World")
         for name in limits:
             if name in changes:
-                raise ValueError(f"{name} is a limit of the loop, and stays while it runs; make another Loop")
+                raise ValueError(f"{name} is a limit of the loop and cannot change while it runs; make another Loop")
         if changes:
             known = ("title", "loop", "devices", "bodies", "contacts", "joints", "render", "model", "measure", "method")
             for name in changes:
                 if name not in known:
-                    raise TypeError(f"no table of a world is called {name}; it has {', '.join(known)}")
+                    raise TypeError(f"a world has no table {name}; the tables are {', '.join(known)}")
             world = world.replace(**changes)
         generation = self.change_world(world)
         self._world = world
@@ -379,17 +385,17 @@ class Loop(Fixed, _palpate.Loop):
 
     @property
     def world(self) -> World | None:
-        """The world that is rendered now, at its start; `None` of a loop that renders a contact. `loop.bodies` has how it is."""
+        """Rendered world, in its initial state; `None` for a renderer. `loop.bodies` has the current states."""
         return self._world
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """What is rendered now, as arguments of `palpate.Renderer`; of a world none."""
+        """Current arguments of `palpate.Renderer`; empty for a world."""
         return FixedParameters(self._parameters, "change them by loop.change(NAME=VALUE)")
 
     @property
     def status(self) -> LoopStatus:
-        """How the loop stands."""
+        """State of the loop."""
         running, ticks, lost, silent, cuts, motors_off, held = self.now()
         forces = tuple((x, y, z) for x, y, z in held)
         return LoopStatus(running, ticks, lost, silent, cuts, motors_off, forces[0], forces)
@@ -412,7 +418,7 @@ class Loop(Fixed, _palpate.Loop):
                 raise
 
     def __reduce__(self) -> NoReturn:
-        raise TypeError("a Loop runs on a device and is not pickled")
+        raise TypeError("a Loop runs on a device and cannot be pickled")
 
     def __repr__(self) -> str:
         state = "ended" if self.report else "running" if self.status.running else "not started"
@@ -434,16 +440,16 @@ atexit.register(_stop_all)
 
 
 def _in_order(device: Device | Mapping[str, Device], renderer: Renderer | World | _palpate.LowRateSimulator) -> list[dict[str, Any]]:
-    """What is said of each device, in the order of the world's."""
+    """Returns the parameters of each device, in the order of the world."""
     names = renderer.names()[0] if isinstance(renderer, World) else []
     listed = " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
     if not isinstance(device, Mapping):
         if len(names) > 1:
-            raise ValueError(f"the world has the devices {listed}; a Loop of it takes one for each, as {{name: device}}")
+            raise ValueError(f"the world has the devices {listed}; give one for each, as {{name: device}}")
         return [device._given()]
     for name in device:
         if name not in names:
-            raise ValueError(f"no device of the world is called {name!r}; it has {listed}")
+            raise ValueError(f"the world has no device {name!r}; it has {listed}")
     for name in names:
         if name not in device:
             raise ValueError(f"there is no device for {name!r}; the world has {listed}")
@@ -456,7 +462,7 @@ def _in_order(device: Device | Mapping[str, Device], renderer: Renderer | World 
 def _names(
     renderer: Renderer | World | _palpate.LowRateSimulator,
 ) -> tuple[tuple[str, ...], tuple[str, ...], tuple[tuple[str, str], ...]]:
-    """The names of devices, of bodies and of contacts, by their numbers in rows."""
+    """Returns the names of devices, bodies and contacts, indexed by their numbers in the rows."""
     if not isinstance(renderer, World):
         return (), (), ()
     devices, bodies = renderer.names()
@@ -464,7 +470,7 @@ def _names(
 
 
 def _split(parameters: dict[str, Any]) -> tuple[Any, dict[str, Any], float, dict[str, Any]]:
-    """Method, the arguments that every renderer has, soft start, and settings of the method."""
+    """Splits parameters into method, common arguments, soft start and settings of the method."""
     rest = dict(parameters)
     method, soft_start = rest.pop("method"), rest.pop("soft_start")
     given = {name: rest.pop(name) for name in _SHARED}
@@ -479,7 +485,7 @@ _SHARED = tuple(
 
 
 def _scene(device: Device, renderer: Renderer) -> str | None:
-    """The text of the scene that a recording of this loop holds; `None` where nobody knows the device's mass."""
+    """Returns the scene text for a recording of this loop; `None` if the mass of the device is unknown."""
     method, given, _, settings = _split(renderer.parameters)
     table = device._in_scene()
     if table is None and given["device_mass"] is not None:
@@ -530,7 +536,7 @@ def _scene(device: Device, renderer: Renderer) -> str | None:
 
 
 def _file(path: str | os.PathLike[str] | None) -> str | os.PathLike[str] | None:
-    """A path that names a file, or none."""
+    """Returns the path of a recording, if any, after a check that it is not empty."""
     if path is not None and not os.fspath(path):
         raise ValueError("record is an empty path, but must name a file")
     return path

@@ -1,4 +1,4 @@
-"""The methods and their settings, from the list that the Rust core has."""
+"""Methods and their settings, from the list of the Rust core."""
 
 from __future__ import annotations
 
@@ -9,31 +9,31 @@ from . import _palpate
 
 
 class Setting(NamedTuple):
-    """What a method says of one of its settings."""
+    """Setting of a method."""
 
     name: str
-    """The argument that gives it."""
+    """Name of its argument."""
     key: str
-    """Its key in scene files and reports, with its unit at the end."""
+    """Key in scene files and reports, with the unit at the end."""
     unit: str | None
-    """Its unit, empty for a pure number; `None` for words and switches."""
+    """Unit, empty for a pure number; `None` for words and switches."""
     allowed: str
-    """What it may be, in words."""
+    """Allowed values, in words."""
     help: str
-    """What it is."""
+    """Meaning."""
     default: str
-    """What is taken where it is not given, in words."""
+    """Default value, in words."""
 
 
 class Method(NamedTuple):
-    """What a method says of itself."""
+    """Description of a method."""
 
     name: str
-    """Its name, as files and reports spell it."""
+    """Name in files and reports."""
     summary: str
-    """What it is, in a few words."""
+    """One-line description."""
     settings: tuple[Setting, ...]
-    """What can be set."""
+    """Settings."""
 
 
 def _methods() -> Mapping[str, Method]:
@@ -50,4 +50,4 @@ def _methods() -> Mapping[str, Method]:
 
 
 METHODS: Mapping[str, Method] = _methods()
-"""Every method by its name, in the order of tables and figures."""
+"""All methods by name, in the order of tables and figures."""

@@ -16,7 +16,7 @@ from ._table import Table, of_records
 _COLUMNS, (_PHASES, _FLAGS) = _palpate.recorded_columns()
 
 RECORDED: np.dtype[np.void] = np.dtype([(name, "f8" if number else "u8") for name, number in _COLUMNS])
-"""The fields of a tick of a recording and of its contact: numbers, and counts and codes as whole numbers."""
+"""Fields of a tick of a recording and of its contact. Counts and codes are integers."""
 BODIES: np.dtype[np.void] = np.dtype(
     [
         ("sequence", "u8"),
@@ -27,8 +27,8 @@ BODIES: np.dtype[np.void] = np.dtype(
         ("angular_velocity_rad_per_s", "f8", (3,)),
     ]
 )
-"""The fields of a body of a world at a tick: number of the tick, number of the body, position of the centre of mass, unit
-quaternion w, x, y, z, and velocities, along the axes of the world."""
+"""Fields of a body of a world at a tick: number of the tick, number of the body, position of the centre of mass, unit
+quaternion w, x, y, z, and velocities, in the world frame."""
 DEVICES: np.dtype[np.void] = np.dtype(
     [
         ("sequence", "u8"),
@@ -44,46 +44,46 @@ DEVICES: np.dtype[np.void] = np.dtype(
         ("delivered_torque_n_m", "f8", (3,)),
     ]
 )
-"""The fields of one of several devices at a tick: number of the tick, number of the device, its flags (`FLAGS`), when it was sampled,
-how long it took to answer, its place and its unit quaternion w, x, y, z, what it was commanded, and what it held by its own account;
-in the frame of the device, NaN where there is no value."""
+"""Fields of one of several devices at a tick: number of the tick, number of the device, flags (`FLAGS`), time of the
+sample, round-trip time, position, unit quaternion w, x, y, z, commanded wrench, and wrench that the device reports.
+Vectors are in the frame of the device; missing values are NaN."""
 FLAGS: tuple[str, ...] = tuple(_FLAGS)
-"""What the field `flags` of a tick of a recording means: `FLAGS[bit]` holds where the bit is set."""
+"""Meaning of the field `flags` of a tick of a recording: `FLAGS[bit]` applies if the bit is set."""
 
 
 class Event(NamedTuple):
-    """Something that happened at a tick of a loop."""
+    """Event at a tick of a loop."""
 
     sequence: int
     """Number of the tick."""
     t_s: float
-    """When, since the loop's start [s]."""
+    """Time since the start of the loop [s]."""
     kind: str
-    """What kind of thing, in kebab case."""
+    """Kind, in kebab case."""
     text: str
-    """What happened, in words."""
+    """Description."""
 
 
 class Recording(Table, Report):
-    """What a loop with a device did: the report of `palpate info --json`, and every tick."""
+    """Recording of a loop with a device: the report of `palpate info --json`, and every tick."""
 
     __slots__ = ("bodies", "devices", "events", "texts", "ticks")
 
     ticks: NDArray[np.void]
-    """The ticks that are there, in their order: an array with the fields of `palpate.RECORDED`.
+    """Ticks in order: an array with the fields of `palpate.RECORDED`.
 
-    A tick has an element for each of its contacts, and one without a value of a contact where it has none.
+    A tick has one element per contact, or one element without contact values if it has no contact.
     """
     events: list[Event]
-    """What happened beside the ticks."""
+    """Events."""
     bodies: NDArray[np.void]
-    """The bodies of a world at these ticks: an array with the fields of `palpate.BODIES`, those that move and then the proxies
-    of the devices. Of a recording of one contact it is empty."""
+    """Bodies of a world at these ticks: an array with the fields of `palpate.BODIES`, first the moving bodies, then the
+    proxies of the devices. Empty for a recording of one contact."""
     devices: NDArray[np.void]
-    """The devices of a loop that has several at these ticks: an array with the fields of `palpate.DEVICES`. Of a loop with one
-    device it is empty: `ticks` have all of it."""
+    """Devices at these ticks: an array with the fields of `palpate.DEVICES`. Empty for a loop with one device, whose
+    data are in `ticks`."""
     texts: dict[str, str]
-    """The texts of the metadata, such as `scene`: what made the recording."""
+    """Metadata entries, such as `scene`: the source of the recording."""
 
     def __init__(
         self,
@@ -110,13 +110,13 @@ class Recording(Table, Report):
 
 
 def read_recording(path: str | os.PathLike[str]) -> Recording:
-    """Reads a recording (MCAP) of `palpate record`, whole or as much of it as there is.
+    """Reads a recording (MCAP) of `palpate record`. An incomplete recording is read as far as possible.
 
-    What is missing or damaged is in the report: `complete`, `shortcomings`, `ticks_lost`.
+    The fields `complete`, `shortcomings` and `ticks_lost` of the report describe missing and damaged parts.
 
     Raises:
-        ValueError: A file that is no recording.
-        OSError: A file that cannot be read.
+        ValueError: The file is not a recording.
+        OSError: The file cannot be read.
     """
     (fields, text), words, events, texts, bodies, devices = _palpate.read_recording(path)
     return Recording(

@@ -1,4 +1,4 @@
-"""`render`: a motion that was recorded, rendered by some methods; `read_trace`: a table of such a motion."""
+"""`render`: renders a recorded motion with several methods; `read_trace`: reads the table of such a motion."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class Trace(NamedTuple):
     x: NDArray[np.float64]
     """Positions [m]."""
     force: NDArray[np.float64] | None
-    """Force on the device from each sample until the next [N]; `None` where the table has none."""
+    """Force on the device from each sample until the next [N]; `None` if the table has none."""
     left_out: int
-    """Samples that were left out, since they had no value."""
+    """Number of skipped samples without a value."""
 
 
 def read_trace(
@@ -45,22 +45,22 @@ def read_trace(
         palpate.render(trace.t, trace.x, stiffness=500.0, mass=math.inf, period=0.001)
 
     Args:
-        path: Table with a header. Without `columns` it names `t_s` and `position_m`; names and a row of units below the header
-            may have other units.
+        path: Table with a header. Without `columns` the names are `t_s` and `position_m`. A column name or a row of
+            units below the header can state other units.
         columns: Names of the columns of `t`, `x` and `force`; `"#2"` is the second column.
-        unit: Unit of the positions: `"m"`, `"cm"`, `"mm"` or `"um"`. `None`: that of the table, else metres, and a motion
-            that is too long or too fast for a hand is refused.
-        time_unit: Unit of the times: `"s"`, `"ms"`, `"us"` or `"ns"`. `None`: that of the table, else seconds, and samples
-            more than 0.25 s or less than 10 us apart are refused.
-        delimiter: What separates the columns: `","`, `";"` or `"\\t"`. `None`: what separates those of the header.
-        decimal_comma: Whether numbers have a comma in place of the decimal point.
-        skip_missing: Whether samples without a value are left out; else they are refused.
-        begin: Takes the table from this time of its own on [s].
-        end: Takes it up to this time of its own [s].
+        unit: Unit of the positions: `"m"`, `"cm"`, `"mm"` or `"um"`. `None`: that of the table, else metres; an
+            implausibly long or fast motion is then rejected.
+        time_unit: Unit of the times: `"s"`, `"ms"`, `"us"` or `"ns"`. `None`: that of the table, else seconds; samples
+            more than 0.25 s or less than 10 us apart are then rejected.
+        delimiter: Separator of the columns: `","`, `";"` or `"\\t"`. `None`: that of the header.
+        decimal_comma: Whether numbers have a decimal comma.
+        skip_missing: Whether samples without a value are skipped; otherwise they are an error.
+        begin: First time of the table to use [s].
+        end: Last time of the table to use [s].
 
     Raises:
-        ValueError: A file that is no such table.
-        OSError: A file that cannot be read.
+        ValueError: The file is not such a table.
+        OSError: The file cannot be read.
     """
     layout = {
         "columns": [(str(key), str(name)) for key, name in (columns or {}).items()],
@@ -109,11 +109,10 @@ def render(
     title: str = "a motion",
     **settings: float | str | bool,
 ) -> Runs:
-    """Renders a recorded motion: the device moves as it did, whatever the force, as in `palpate render`.
+    """Renders a recorded motion, as `palpate render` does. The device follows the recording whatever the force.
 
-    The motion is taken at the instants of a loop of `period`. Where such an instant is a recorded one, the
-    recorded position is taken exactly; others are interpolated on straight lines. No force is limited
-    unless `force_limit` says so: nothing moves here.
+    The motion is sampled at the ticks of a loop of `period`. A recorded sample at such a time is used exactly; other
+    positions are interpolated linearly. The default is no force limit, because no motor is driven.
 
     Args:
         t: Times [s], increasing; one dimension.
@@ -122,13 +121,13 @@ def render(
         mass: Mass M of the object [kg]; `math.inf`: a wall.
         period: Nominal period T of the loop [s].
         method: Name of a method, of `palpate.METHODS`, several names, or `"all"`.
-        force_limit: Largest force that is held [N]; `math.inf`: no limit.
-        unit: Unit of the positions: `"m"`, `"cm"`, `"mm"` or `"um"`. `None`: metres, and a motion that is too
-            long or too fast for a hand is refused.
-        time_unit: Unit of the times: `"s"`, `"ms"`, `"us"` or `"ns"`. `None`: seconds, and samples more than 0.25 s or less
-            than 10 us apart are refused.
-        skip_missing: Whether samples of which the time or the position is NaN are left out; else they are refused.
-        title: What the report calls the motion.
+        force_limit: Largest held force [N]; `math.inf`: no limit.
+        unit: Unit of the positions: `"m"`, `"cm"`, `"mm"` or `"um"`. `None`: metres; an implausibly long or fast motion
+            is then rejected.
+        time_unit: Unit of the times: `"s"`, `"ms"`, `"us"` or `"ns"`. `None`: seconds; samples more than 0.25 s or less
+            than 10 us apart are then rejected.
+        skip_missing: Whether samples with a NaN time or position are skipped; otherwise they are an error.
+        title: Name of the motion in the report.
         settings: Settings of the methods, such as `damping`: `palpate.METHODS[method].settings` lists them.
 
     The other arguments are those of `palpate.Renderer`.
@@ -137,7 +136,7 @@ def render(
         The report, and the ticks of each method as structured arrays.
 
     Raises:
-        ValueError: A value that is not allowed, by the name of its argument; a motion that is none.
+        ValueError: An argument is not allowed, and the message names it; or the motion is not valid.
     """
     given = dict(locals())
     question_period(period)
@@ -151,7 +150,9 @@ def render(
             first = int(np.argmax(~np.isfinite(times) | ~np.isfinite(positions)))
             name, unit_of, value = ("time", "s", times[first]) if not np.isfinite(times[first]) else ("position", "m", positions[first])
             said = "NaN" if np.isnan(value) else value
-            raise ValueError(f"{name} {said} {unit_of} at index {first} is not finite; skip_missing=True leaves out samples that are NaN")
+            raise ValueError(
+                f"{name} {said} {unit_of} at index {first} is not finite; skip_missing=True skips NaN samples"
+            )
         times, positions = times[~missing], positions[~missing]
     motion = (times, positions, title, unit, time_unit, left_out)
     arguments = (motion, method, given, settings)
@@ -159,7 +160,7 @@ def render(
 
 
 def _of_one_dimension(name: str, given: ArrayLike) -> NDArray[np.float64]:
-    """A copy of the numbers of an argument."""
+    """Returns a copy of the numbers of a one-dimensional argument."""
     array = numbers(name, given)
     if array.ndim != 1:
         raise ValueError(f"{name} has the shape {array.shape}, but must have one dimension")

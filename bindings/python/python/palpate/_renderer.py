@@ -1,4 +1,4 @@
-"""`Renderer`: one contact in a loop of one's own."""
+"""`Renderer`: one contact, for a loop of the caller."""
 
 from __future__ import annotations
 
@@ -9,51 +9,50 @@ from ._fixed import Fixed, FixedParameters, question_period
 
 
 class Renderer(Fixed, _palpate.Renderer):
-    """A contact with a virtual object or a wall, rendered by one method, sample by sample.
+    """Contact with a virtual object or a wall, rendered by one method, sample by sample.
 
-    All values are SI, along one axis. The object lies on the side of greater positions, unless `side` says
-    otherwise; a positive force on the device pushes it to greater positions.
+    All values are in SI units, along one axis. The object is at greater positions than the device, unless `side` is
+    `"negative"`. A positive force on the device pushes it to greater positions.
 
-    A renderer is made for a motor. So it has the limits of `palpate pipe`: forces are limited to 20 N, and
-    where a start or a recovery finds the device inside the object, the force comes in over 0.2 s.
-    `force_limit=math.inf` and `soft_start=0` switch that off.
+    A renderer is meant to drive a motor and has the limits of `palpate pipe`: forces are limited to 20 N, and if the
+    device is inside the object at a start or a recovery, the force ramps up over 0.2 s. `force_limit=math.inf` and
+    `soft_start=0` disable these limits.
 
     Args:
         stiffness: Stiffness K of the contact [N/m].
         mass: Mass M of the object [kg]; `math.inf`: a wall.
         period: Nominal period T of the loop [s].
         method: Name of the method, of `palpate.METHODS`.
-        device_mass: Effective mass of the device [kg], right within a factor of 2; `coupled` needs it.
+        device_mass: Effective mass of the device [kg], accurate within a factor of 2; `coupled` needs it.
         force: Virtual force f_V on the object [N], such as its weight.
-        object_position: Position of the object at the start [m].
-        object_velocity: Velocity of the object at the start [m/s].
-        side: On which side of the device the object lies: `"positive"` or `"negative"`.
+        object_position: Initial position of the object [m].
+        object_velocity: Initial velocity of the object [m/s].
+        side: Side of the device on which the object is: `"positive"` or `"negative"`.
         unilateral: Never pull.
-        force_limit: Largest force that is held [N]; `math.inf`: no limit.
-        soft_start: Time over which a force comes in where a start or a recovery finds contact, at most
-            60 [s]; 0: at once.
-        slew_limit: Fastest change of the force [N/s]; `None`: no limit.
-        speed_limit: Device speed above which a sample is refused [m/s]; `None`: no limit.
+        force_limit: Largest held force [N]; `math.inf`: no limit.
+        soft_start: Duration of the force ramp if a start or a recovery begins in contact [s], at most 60; 0: no ramp.
+        slew_limit: Largest rate of change of the force [N/s]; `None`: no limit.
+        speed_limit: Device speed above which a sample is rejected [m/s]; `None`: no limit.
         largest_gap: Longest time between samples that is bridged [s]; `None`: 20 periods.
-        guard: Bound on the energy that held forces give out: `"off"`, `"report"` or `"limit"`.
-        guard_speed: Fastest device motion that the guard reckons with [m/s].
-        guard_allowance: Energy that the guard lets out on top [J].
-        delay: Time from a sample to the beginning of its force [periods], at most 8; fractions are taken.
+        guard: Passivity guard, a bound on the generated energy: `"off"`, `"report"` or `"limit"`.
+        guard_speed: Largest device speed that the guard assumes [m/s].
+        guard_allowance: Generated energy that the guard tolerates [J].
+        delay: Time from a sample to the beginning of its force [periods], at most 8; fractions are allowed.
         delay_deviation: Standard deviation of the delay [periods].
         lag: Time constant of the actuator [s].
         lag_deviation: Standard deviation of the lag [s].
-        gain: Delivered over commanded force.
+        gain: Ratio of delivered to commanded force.
         gain_deviation: Standard deviation of the gain.
-        encoder_quantum: Quantum of the device's position sensor [m]; 0: not known to have one.
+        encoder_quantum: Quantum of the device's position sensor [m]; 0: unknown or none.
         settings: Settings of the method, such as `damping`: `palpate.METHODS[method].settings` lists them.
 
     Raises:
-        ValueError: A value that is not allowed, by the name of its argument.
+        ValueError: An argument is not allowed; the message names it.
     """
 
     _way: ClassVar[str] = "make another one by Renderer(**{**renderer.parameters, NAME: VALUE})"
     parameters: dict[str, Any]
-    """The arguments that this renderer was made with: `Renderer(**parameters)` makes it anew. They cannot be set."""
+    """Arguments of the constructor, read-only: `Renderer(**parameters)` makes an equal renderer."""
 
     def __new__(
         cls,
@@ -95,7 +94,7 @@ class Renderer(Fixed, _palpate.Renderer):
 
     def __reduce__(self) -> NoReturn:
         raise TypeError(
-            "a Renderer has a state and is not pickled; pickle its `parameters`, and make one anew by "
+            "a Renderer has a state and cannot be pickled; pickle its `parameters`, and make a new one by "
             "Renderer(**parameters)"
         )
 

@@ -1,4 +1,4 @@
-"""`replay`: a recording of a loop with a device, under another force."""
+"""`replay`: renders a recording of a loop with other methods or parameters."""
 
 from __future__ import annotations
 
@@ -47,40 +47,41 @@ def replay(
     encoder_quantum: float | None = None,
     **settings: float | str | bool,
 ) -> Any:
-    """Renders a recording by other methods or parameters, as `palpate replay` does: its motion as it was, or its hand.
+    """Renders a recording with other methods or parameters, as `palpate replay` does: its motion, or its hand.
 
         palpate.replay("tap.mcap", ["basic", "coupled"], replay="hand")
 
     Args:
-        recording: Path of a recording (MCAP), or what `palpate.read_recording` made of it: its file is read again.
-        method: Name of a method, of `palpate.METHODS`, several names, or `"all"`. `None`: that of the recording's scene.
-        replay: `"motion"`: the device goes where it went, whatever the force. `"hand"`: the hand's force is estimated from
-            the recording, and the device moves under the new force.
-        begin: Takes the recording from this time of its own on [s]. `None`: from its first tick.
-        end: Takes it up to this time of its own [s]. `None`: to its last tick.
-        hand_bandwidth: Bandwidth of the hand's force [Hz]. `None`: the one under which the recording is most likely.
-        hand_stiffness: Stiffness with which the hand holds on to its recorded motion [N/m]. `None`: 60, which is assumed.
-        hand_damping: Damping with which it does [N s/m]. `None`: 2, which is assumed.
-        model_device_mass: Mass of the device as the renderer is told [kg].
+        recording: Path of a recording (MCAP), or a `palpate.Recording`, whose file is read again.
+        method: Name of a method, of `palpate.METHODS`, several names, or `"all"`. `None`: the method of the scene.
+        replay: `"motion"`: the device follows the recorded motion whatever the force. `"hand"`: the hand's force is
+            estimated from the recording, and the device moves under the new force.
+        begin: First time of the recording to use [s]. `None`: its first tick.
+        end: Last time of the recording to use [s]. `None`: its last tick.
+        hand_bandwidth: Bandwidth of the hand's force [Hz]. `None`: the maximum-likelihood estimate.
+        hand_stiffness: Stiffness that couples the hand to its recorded motion [N/m]. `None`: 60, an assumption.
+        hand_damping: Damping of this coupling [N s/m]. `None`: 2, an assumption.
+        model_device_mass: Device mass in the renderer's model [kg].
         settings: Settings of the methods, such as `damping`.
 
-    The other arguments are those of `palpate.Renderer`. `None` leaves what the recording's scene says. Where neither
-    `object_position` nor `object_velocity` is given, the object begins where it was recorded.
+    The other arguments are those of `palpate.Renderer`. `None` keeps the value of the recording's scene. If neither
+    `object_position` nor `object_velocity` is given, the object starts in its recorded state.
 
-    A recording of a world takes no argument but `method`: its motion is rendered, and the answer is that of `simulate`.
+    A recording of a world takes no argument except `method`. Its motion is rendered, and the result is that of
+    `simulate`.
 
     Returns:
-        The report, and the ticks of each method as structured arrays; for a world its forces. `recording` and `replay` of the
-        report say what was replayed and how well it is known.
+        The report, and the ticks of each method as structured arrays; for a world its forces. The fields `recording`
+        and `replay` of the report describe the replayed part and its accuracy.
 
     Raises:
-        ValueError: A file that is no recording; a recording that cannot be replayed; a value that is not allowed, by the name of
-            its argument.
-        OSError: A file that cannot be read.
+        ValueError: The file is not a recording; the recording cannot be replayed; or an argument is not allowed, and
+            the message names it.
+        OSError: The file cannot be read.
 
     Warns:
-        UserWarning: A recording that is not whole; a run in which the device leaves the recorded motion farther than an arm
-            reaches.
+        UserWarning: The recording is incomplete; or the device leaves the recorded motion by more than the reach of an
+            arm.
     """
     given = dict(locals())
     for other in ("recording", "method", "settings"):

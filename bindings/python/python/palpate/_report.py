@@ -1,4 +1,4 @@
-"""Reports: the fields of the program's `--json`, as attributes."""
+"""Reports: dictionaries with the fields of the program's `--json`, also as attributes."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ._table import Table, of_records
 _NUMBERS, _CODES, (_PHASES, _LIMITS, _FAULTS) = _palpate.columns()
 
 PHASES: tuple[str, ...] = tuple(_PHASES)
-"""What the field `phase` of a tick means: `PHASES[code]`."""
+"""Meaning of the field `phase` of a tick: `PHASES[code]`."""
 LIMITS: tuple[str, ...] = tuple(_LIMITS)
-"""What the field `limited` of a tick means: `LIMITS[bit]` changed the force where the bit is set."""
+"""Meaning of the field `limited` of a tick: `LIMITS[bit]` changed the force if the bit is set."""
 FAULTS: tuple[str, ...] = tuple(_FAULTS)
-"""What the field `fault` of a tick means: `FAULTS[code]`; the first is no fault."""
+"""Meaning of the field `fault` of a tick: `FAULTS[code]`; the first means no fault."""
 
 TICK: np.dtype[np.void] = np.dtype(
     {
@@ -29,14 +29,14 @@ TICK: np.dtype[np.void] = np.dtype(
         "itemsize": 8 * (len(_NUMBERS) + 1),
     }
 )
-"""The fields of a tick of a run."""
+"""Fields of a tick of a run."""
 IDEAL: np.dtype[np.void] = np.dtype([(name, "f8") for name in _palpate.ideal_columns()])
-"""The fields of a point of the ideal."""
+"""Fields of a point of the reference solution."""
 
 
 class Fields(dict[str, Any]):
-    """A dictionary whose keys are attributes too. A key that a dictionary has a method for, such as
-    `values`, is an item only."""
+    """Dictionary whose keys are also attributes. A key with the name of a dictionary method, such as `values`, is only
+    an item."""
 
     __slots__ = ()
 
@@ -44,22 +44,22 @@ class Fields(dict[str, Any]):
         try:
             return self[name]
         except KeyError:
-            raise AttributeError(f"no field is called {name}; the fields are {', '.join(self)}") from None
+            raise AttributeError(f"there is no field {name}; the fields are {', '.join(self)}") from None
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self]
 
 
 Figure = Union[str, Tuple[Callable[..., str], Tuple[Any, ...]], None]
-"""A figure as SVG, or what draws it and what it is drawn from."""
+"""Figure as SVG, or a function that draws it and its arguments."""
 
 
 class Report(Fields):
-    """What was found: a dictionary with the fields of the program's `--json`, which are attributes too.
+    """Dictionary with the fields of the program's `--json`, also as attributes.
 
-    `docs/schema` in palpate's repository has the fields of each report, with their units at the end of
-    their names. `print(report)` prints the table that the program prints. A notebook shows the program's figure,
-    where there is one, and the table where there is none.
+    `docs/schema` in palpate's repository lists the fields of each report; their names end with the units.
+    `print(report)` prints the program's table. A notebook shows the program's figure if there is one, otherwise the
+    table.
     """
 
     __slots__ = ("_figure", "_text")
@@ -71,26 +71,26 @@ class Report(Fields):
 
     @classmethod
     def _of(cls, made: tuple[str, str], figure: Figure = None) -> Report:
-        """The report from its JSON and its text."""
+        """Creates the report from its JSON and its text."""
         return cls(json.loads(made[0], object_hook=Fields), made[1], figure)
 
     def to_svg(self) -> str:
-        """The figure that the program draws with `--plot`, as SVG.
+        """Returns the figure of the program's `--plot` as SVG.
 
-        Figures of runs and of advice are drawn when they are first asked for: the runs are made again.
+        Figures of runs and of advice are drawn at the first call, which repeats the runs.
 
         Raises:
-            ValueError: A report without a figure.
+            ValueError: The report has no figure.
         """
         if self._figure is None:
-            raise ValueError("this report has no figure: the program draws none, or a method of one's own is in it")
+            raise ValueError("this report has no figure: the program draws none, or a method is user-defined")
         if not isinstance(self._figure, str):
             draw, given = self._figure
             self._figure = draw(*given)
         return self._figure
 
     def to_json(self) -> str:
-        """The report as JSON."""
+        """Returns the report as JSON."""
         return json.dumps(self, indent=2)
 
     def __str__(self) -> str:
@@ -111,20 +111,20 @@ class Report(Fields):
 
 
 class Runs(Table, Report):
-    """What some methods did in one scene or on one motion: their report, and every tick.
+    """Runs of methods in one scene or on one motion: the report, and every tick.
 
-    The fields are those of `palpate simulate --json` and `palpate render --json`; `methods` is the list of
-    what each method did.
+    The fields are those of `palpate simulate --json` and `palpate render --json`; `methods` lists the results of each
+    method.
     """
 
     __slots__ = ("ideal", "ticks")
 
     ticks: dict[str, NDArray[np.void]]
-    """The ticks of each method, by its name: arrays with the fields of `palpate.TICK`. Leaks and works are
-    accumulated over the intervals before the sample; `force_on_device_n` is what was to be commanded, and
-    `held_force_on_object_n` what acts from the sample on."""
+    """Ticks of each method, by name: arrays with the fields of `palpate.TICK`. Leaks and works are accumulated over the
+    intervals before the sample. `force_on_device_n` is the force to command, `held_force_on_object_n` the force that
+    acts from the sample on."""
     ideal: NDArray[np.void]
-    """The ideal on a fine grid: an array with the fields of `palpate.IDEAL`."""
+    """Reference solution on a fine grid: an array with the fields of `palpate.IDEAL`."""
 
     def __init__(
         self,
@@ -152,7 +152,7 @@ class Runs(Table, Report):
         )
 
     def method(self, name: str) -> Fields:
-        """What the report says of one method."""
+        """Returns the results of one method."""
         return _named(self["methods"], name)
 
     def _columns(self) -> dict[str, NDArray[Any]]:
@@ -161,7 +161,7 @@ class Runs(Table, Report):
         return {"method": methods, **of_records(rows)}
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws the held force of each method over time, with the ideal behind, by matplotlib.
+        """Plots the held force of each method and the reference solution over time with matplotlib.
 
         Args:
             ax: Axes to draw in. `None`: new ones.
@@ -170,7 +170,7 @@ class Runs(Table, Report):
             The axes.
 
         Raises:
-            ImportError: matplotlib is not there.
+            ImportError: matplotlib is not installed.
         """
         if ax is None:
             from matplotlib import pyplot
@@ -189,21 +189,20 @@ class Runs(Table, Report):
 
 
 class WorldRuns(Report):
-    """What some methods did in a world: their report, and every force.
+    """Runs of methods in a world: the report, and every force.
 
-    The fields are those of `palpate simulate --json` for a world: `methods` is the list of what each method did,
-    in sum and for each device and axis.
+    The fields are those of `palpate simulate --json` for a world: `methods` lists the results of each method, in total
+    and for each device and axis.
     """
 
     __slots__ = ("edges", "forces", "ideal")
 
     edges: NDArray[np.float64]
-    """The edges of the intervals over which forces are held [s], one more than there are intervals."""
+    """Edges of the intervals with constant held forces [s], one more than intervals."""
     forces: dict[str, NDArray[np.float64]]
-    """Force on each device over each interval [N], by the method's name: arrays of the shape (devices, intervals,
-    3)."""
+    """Force on each device over each interval [N], by method name: arrays of the shape (devices, intervals, 3)."""
     ideal: NDArray[np.float64]
-    """Mean of the ideal's force over each interval [N], in the same shape."""
+    """Mean force of the reference solution over each interval [N], in the same shape."""
 
     def __init__(
         self,
@@ -226,21 +225,21 @@ class WorldRuns(Report):
         return cls(json.loads(fields, object_hook=Fields), text, np.array(edges), dict(forces), ideal)
 
     def method(self, name: str) -> Fields:
-        """What the report says of one method."""
+        """Returns the results of one method."""
         return _named(self["methods"], name)
 
     def plot(self, ax: Any = None, device: int = 0) -> Any:
-        """Draws the length of the force on a device over time, with the means of the ideal behind, by matplotlib.
+        """Plots the magnitude of the force on a device and the mean force of the reference solution with matplotlib.
 
         Args:
             ax: Axes to draw in. `None`: new ones.
-            device: Number of the device.
+            device: Index of the device.
 
         Returns:
             The axes.
 
         Raises:
-            ImportError: matplotlib is not there.
+            ImportError: matplotlib is not installed.
         """
         if ax is None:
             from matplotlib import pyplot
@@ -264,4 +263,4 @@ def _named(methods: Sequence[Fields], name: str) -> Fields:
         if method["method"] == name:
             return method
     names = ", ".join(method["method"] for method in methods)
-    raise KeyError(f"no run is by {name}; there are {names}")
+    raise KeyError(f"there is no run of {name}; there are {names}")

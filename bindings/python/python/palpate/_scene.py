@@ -1,4 +1,4 @@
-"""Scenes, and what methods do in them."""
+"""Scenes, and the simulation and comparison of methods in them."""
 
 from __future__ import annotations
 
@@ -15,15 +15,14 @@ if TYPE_CHECKING:
     from ._world import World
 
 Tables = Mapping[str, Any]
-"""A table of a scene file: its keys, each with its value."""
+"""Table of a scene file: keys and values."""
 
 
 class Scene(Fixed, _palpate.Scene):
-    """An object, a device, a hand, a loop and a renderer: a closed loop to simulate.
+    """Closed loop to simulate: an object, a device, a hand, a loop and a renderer.
 
-    Each argument is a table of a scene file, as a dictionary: the keys are those of the file, with their
-    units, and so are ranges and defaults (`docs/formats.md` in palpate's repository lists them). A value of
-    `None` is left out. `Scene.read` takes a file.
+    Each argument is a table of a scene file, as a dictionary. Keys, units, ranges and defaults are those of the file
+    (`docs/formats.md` in palpate's repository lists them). Values of `None` are omitted. `Scene.read` reads a file.
 
         palpate.Scene(
             "A light block",
@@ -35,19 +34,19 @@ class Scene(Fixed, _palpate.Scene):
         )
 
     Args:
-        title: A line for tables and figures.
+        title: Title for tables and figures, one line.
         object: The object and its contact.
         device: The device.
         loop: The loop.
-        measure: How long to look.
+        measure: The evaluation window.
         hand: The hand.
-        told: What the renderer is told of the actuator in place of what it is.
-        renderer: The method that is run where none is named, and what limits forces.
-        methods: Settings of methods, each by the method's name.
-        folder: Where files that the scene names are looked for.
+        model: Model values of the actuator that override the true values for the renderer.
+        renderer: The default method and the force limits.
+        methods: Settings of methods, by method name.
+        folder: Folder of the files that the scene names.
 
     Raises:
-        ValueError: Every value that is not allowed, by its key, a line for each.
+        ValueError: Values are not allowed; one line for each, with its key.
     """
 
     def __new__(
@@ -86,17 +85,16 @@ class Scene(Fixed, _palpate.Scene):
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Scene:
-        """The scene of a file. Messages name the file, the line and the column."""
+        """Reads a scene file. Messages have the file, the line and the column."""
         return cls._of(*_palpate.read_scene(path))
 
     @classmethod
     def parse(cls, text: str, folder: str | os.PathLike[str] = "") -> Scene:
-        """The scene of the text of a file."""
+        """Parses the text of a scene file."""
         return cls._of(text, "scene", folder)
 
     def replace(self, title: str | None = None, **tables: Tables) -> Scene:
-        """The same scene with other values: those of the tables that are given, by key; `None` takes a
-        key away.
+        """Returns a copy with the given keys of the given tables replaced; `None` removes a key.
 
             scene.replace(object={"mass_kg": 0.05}, loop={"period_s": 0.002})
         """
@@ -107,11 +105,11 @@ class Scene(Fixed, _palpate.Scene):
         return self._of(_palpate.to_toml(changed), None, folder)
 
     def to_dict(self) -> dict[str, Any]:
-        """The tables of the scene."""
+        """Returns the tables of the scene."""
         return _palpate.from_toml(self.parts()[0])
 
     def to_toml(self) -> str:
-        """The scene as the text of a file."""
+        """Returns the text of the scene file."""
         return self.parts()[0]
 
     def __eq__(self, other: object) -> bool:
@@ -138,11 +136,11 @@ def _merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, 
 
 
 SceneLike = Union[Scene, str, "os.PathLike[str]"]
-"""A scene, or the path of a scene file."""
+"""Scene, or path of a scene file."""
 
 
 MethodLike = Union[str, Callable[[Situation], float]]
-"""Name of a method, or a method of one's own: the force on the object [N] at a sample in contact."""
+"""Name of a method, or a user-defined method: a function that returns the force on the object [N] in contact."""
 
 
 @overload
@@ -154,24 +152,24 @@ def simulate(scene: str | os.PathLike[str], method: MethodLike | Sequence[Method
 def simulate(
     scene: SceneLike | World, method: MethodLike | Sequence[MethodLike] | None = None
 ) -> Runs | WorldRuns:
-    """Simulates a scene or a world in closed loop, as `palpate simulate` does, and judges each method.
+    """Simulates a scene or a world in closed loop and evaluates each method, as `palpate simulate` does.
 
     Args:
-        scene: A scene, a world, or the path of a scene file of either kind. A world is simulated from its start,
-            whatever it has been through; its devices are moved by the hands of its tables.
-        method: Name of a method, of `palpate.METHODS`, several names, or `"all"`. `None`: the scene's own.
-            A function is a method of your own, under the function's name: at each sample in contact it
-            takes a `palpate.Situation` and gives the force on the object [N] to hold until the next. The
-            object moves as the paper's: free or in contact throughout an interval, as its sample is.
-            Worlds take names only: `basic`, `virtual-damper`, `virtual-coupling`, `god-object` and `coupled`.
+        scene: A scene, a world, or the path of a scene file of either kind. A world is simulated from its initial
+            state; the hands of its tables move its devices.
+        method: Name of a method, of `palpate.METHODS`, several names, or `"all"`. `None`: that of the scene.
+            A function is a user-defined method with the function's name. At each sample in contact it gets a
+            `palpate.Situation` and returns the force on the object [N] to hold until the next sample. The object moves
+            as in the paper: it is free or in contact throughout an interval, as at the sample.
+            Worlds accept names only: `basic`, `virtual-damper`, `virtual-coupling`, `god-object` and `coupled`.
 
     Returns:
-        The report; the ticks of each method, or for a world its forces, as arrays.
+        The report, and the ticks of each method as arrays; for a world its forces.
 
     Raises:
-        ValueError: A scene that cannot be run, or not by this method.
-        Exception: What a method of your own raises.
-        OSError: A file that cannot be read.
+        ValueError: The scene cannot be simulated, or not with this method.
+        Exception: An exception of a user-defined method.
+        OSError: A file cannot be read.
     """
     from ._world import World
 
@@ -188,50 +186,50 @@ def simulate(
 
 
 class Bench:
-    """A scene to try methods on, one after the other.
+    """Scene on which several methods are run one by one.
 
         bench = palpate.Bench("experiments/fig2.toml")
         bench.run("coupled")
-        bench.run(look_ahead)  # a function: a method of your own
+        bench.run(look_ahead)  # a function: a user-defined method
         print(bench.errors())  # mean-force error [%] of each run, the best first
 
     Args:
         scene: A scene, or the path of a scene file of one contact.
 
     Raises:
-        ValueError: What is wrong with the scene, or a world.
-        OSError: A file that cannot be read.
+        ValueError: The scene is not valid, or is a world.
+        OSError: A file cannot be read.
     """
 
     scene: Scene
     """The scene."""
     runs: dict[str, Runs]
-    """The last run of each method, by its name."""
+    """The last run of each method, by name."""
 
     def __init__(self, scene: SceneLike) -> None:
         self.scene = _scene(scene)
         self.runs = {}
 
     def run(self, method: MethodLike, name: str | None = None) -> Runs:
-        """Runs a method, as `palpate.simulate` does, and keeps what came of it.
+        """Runs a method, as `palpate.simulate` does, and stores the result.
 
         Args:
-            method: Name of a method, or a method of your own.
-            name: Under which it is kept; `None`: its own.
+            method: Name of a method, or a user-defined method.
+            name: Key of the result in `runs`; `None`: the name of the method.
 
         Returns:
             The report, and its ticks.
 
         Raises:
-            ValueError: The scene cannot be run, or not by this method.
-            Exception: What a method of your own raises.
+            ValueError: The scene cannot be simulated, or not with this method.
+            Exception: An exception of a user-defined method.
         """
         run = simulate(self.scene, method)
         self.runs[name or run["methods"][0]["method"]] = run
         return run
 
     def errors(self) -> dict[str, float]:
-        """Mean-force error E of each run [%], the least first; infinite where the loop diverged."""
+        """Returns the mean-force error E of each run [%], in ascending order; infinite if the loop diverged."""
         of = {name: run["methods"][0].get("mean_force_error_percent") for name, run in self.runs.items()}
         known = {name: math.inf if error is None else float(error) for name, error in of.items()}
         return dict(sorted(known.items(), key=lambda run: run[1]))
@@ -248,12 +246,12 @@ def compare(scenes: SceneLike | Iterable[SceneLike], method: str | Sequence[str]
         method: Name of a method, of `palpate.METHODS`, several names, or `"all"`.
 
     Returns:
-        The report: `scenes`, and of each its `methods`. A method that cannot be set up on a scene has
-        the field `cannot`, which says why, in place of its numbers.
+        The report: `scenes`, each with its `methods`. A method that cannot be set up on a scene has the field `cannot`
+        with the reason instead of its numbers.
 
     Raises:
-        ValueError: A scene that cannot be run, or no scene.
-        OSError: A file that cannot be read.
+        ValueError: A scene cannot be simulated, or there is no scene.
+        OSError: A file cannot be read.
     """
     *made, figure = _palpate.compare(_scenes(scenes), method)
     return Report._of((made[0], made[1]), figure)

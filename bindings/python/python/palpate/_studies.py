@@ -1,4 +1,4 @@
-"""Studies of many runs."""
+"""Studies that consist of many runs."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ def tune(
     steps: int = 400,
     least: str = "error",
 ) -> Report:
-    """Evaluates a method at values of its damping, over 21 start heights, as `palpate tune` does.
+    """Evaluates a method at several values of its damping, over 21 start heights, as `palpate tune` does.
 
     Args:
         scene: A scene, or the path of a scene file.
-        method: Name of a method that has a damping or a cap. `None`: the scene's own.
-        values: Values to try [N s/m]. `None`: `steps` values over the usual range.
-        steps: Number of values where none are given.
-        least: What the best value makes least: `"error"` or `"leak"`.
+        method: Name of a method that has a damping or a cap. `None`: that of the scene.
+        values: Values to evaluate [N s/m]. `None`: `steps` values over the usual range.
+        steps: Number of values if `values` is `None`.
+        least: Quantity that the best value minimises: `"error"` or `"leak"`.
 
     Returns:
         The report: `best`, `best_at_own_height`, and `curve` with every value.
 
     Raises:
-        ValueError: A method without a damping, a value that it does not allow, a scene that cannot be run.
-        OSError: A file that cannot be read.
+        ValueError: The method has no damping or does not allow a value, or the scene cannot be simulated.
+        OSError: A file cannot be read.
     """
     given = None if values is None else numbers("values", values).ravel().tolist()
     fields, text, figure = _palpate.tune(_scene(scene), method, given, steps, least)
@@ -59,14 +59,14 @@ def heights(
     Args:
         scenes: Scenes, or paths of scene files.
         method: Name of a method, of `palpate.METHODS`, several names, or `"all"`.
-        model_mass_factor: Mass of the device that a renderer is told, over the true one.
+        model_mass_factor: Ratio of the model value of the device mass to the true mass.
 
     Returns:
-        The report: `scenes`, and of each its `columns`, one for each method.
+        The report: `scenes`, each with its `columns`, one per method.
 
     Raises:
-        ValueError: A scene that cannot be run, or not by a method.
-        OSError: A file that cannot be read.
+        ValueError: A scene cannot be simulated, or not with one of the methods.
+        OSError: A file cannot be read.
     """
     return Report._of(_palpate.heights(_scenes(scenes), method, model_mass_factor))
 
@@ -83,29 +83,29 @@ def sweep(
 
     Args:
         scene: A scene, or the path of a scene file.
-        over: What is varied: `"friction"`, a factor on the friction of the device; `"box"`, the safety box of a pantograph
-            along y [m]; `"damping"`, the damping or the cap of the methods [N s/m].
-        values: Its values.
-        method: Name of a method, several names, or `"all"`. `None`: all; of `"damping"` those that have one.
-        heights: Whether each value is judged over 21 start heights too.
+        over: Quantity to vary: `"friction"`, a factor on the friction of the device; `"box"`, the safety box of a
+            pantograph along y [m]; `"damping"`, the damping or the cap of the methods [N s/m].
+        values: Values of the quantity.
+        method: Name of a method, several names, or `"all"`. `None`: all; for `"damping"` all that have a damping.
+        heights: Whether each value is also evaluated over 21 start heights.
 
     Returns:
-        The report: `values`, and of each its `columns`, one for each method.
+        The report: `values`, each with its `columns`, one per method.
 
     Raises:
-        ValueError: A quantity that the scene or a method does not have, a value that it cannot have, a scene that cannot
-            be run.
-        OSError: A file that cannot be read.
+        ValueError: The scene or a method does not have the quantity or does not allow a value, or the scene cannot be
+            simulated.
+        OSError: A file cannot be read.
     """
     given = numbers("values", values).ravel().tolist()
     return Report._of(_palpate.sweep(_scene(scene), over, given, method, heights))
 
 
 def claims() -> Report:
-    """Computes anew the numbers that the paper of HFCR claims, as `palpate claims` does. It takes some ten seconds.
+    """Reproduces the numbers that the paper claims, as `palpate claims` does. It takes about ten seconds.
 
     Returns:
-        The report: `claims`, and of each where it stands, the numbers that were `found`, and whether it `holds`.
+        The report: `claims`, each with its place in the paper, the numbers `found`, and whether it `holds`.
     """
     return Report._of(_palpate.claims())
 
@@ -118,27 +118,30 @@ def suite(
     plants: int = 200,
     seeds: int = 1,
 ) -> Report:
-    """Evaluates methods on plants that are drawn at random, as `palpate suite` does.
+    """Evaluates methods on random plants, as `palpate suite` does.
 
     Args:
         set: Family of plants: `"paper"`, `"desk"`, `"real"`, `"steps"` or `"calibrated"`.
-        method: Name of a method, several names, or `"all"`. `None`: those that the set is for.
-        seed: Seed of the draws.
-        plants: Number of plants of each seed, at most a million.
+        method: Name of a method, several names, or `"all"`. `None`: the default methods of the set.
+        seed: Seed of the random numbers.
+        plants: Number of plants per seed, at most a million.
         seeds: Number of seeds, from `seed` on. With several, `over_seeds` has the median and the range over the seeds.
 
     Returns:
-        The report: `columns`, one for each method, with the distribution of its errors.
+        The report: `columns`, one per method, with the distribution of its errors.
 
     Raises:
-        ValueError: A set or a method that there is not, another number of plants.
+        ValueError: The set or a method does not exist, or the number of plants is not allowed.
     """
     fields, text, figure = _palpate.run_suite(set, seed, plants, method, seeds)
     return Report._of((fields, text), figure)
 
 
 class Map(Table, Report):
-    """What each method can render: the fields of `palpate map --json`, and every cell. In a notebook it is its figure."""
+    """Map of the contacts that each method can render: the fields of `palpate map --json`, and every cell.
+
+    A notebook shows its figure.
+    """
 
     __slots__ = ("_csv",)
 
@@ -154,7 +157,7 @@ class Map(Table, Report):
     @property
     def rows(self) -> NDArray[np.void]:
         """A record for each cell, plant and method, with the columns of the program's file (`docs/map.md` in palpate's
-        repository). What a cell has not is NaN."""
+        repository). Missing values are NaN."""
         lines = [line for line in self._csv.splitlines() if not line.startswith("#")]
         [names, *rows] = csv.reader(lines)
         # The first line has the metadata of the map in its last column.
@@ -167,7 +170,7 @@ class Map(Table, Report):
         return np.array(values, dtype)
 
     def to_csv(self) -> str:
-        """The text of the program's file of this map, for `palpate map merge` and others."""
+        """Returns the map as the text of the program's file, for `palpate map merge` and other tools."""
         return self._csv
 
     def _columns(self) -> dict[str, NDArray[Any]]:
@@ -191,26 +194,27 @@ def map(
     lag_deviation: float = 0.0,
     forces: str = "balanced",
 ) -> Map:
-    """Computes what each method can render, over stiffness and mass of the object, as `palpate map` does.
+    """Computes the contacts that each method can render, over stiffness and mass of the object, as `palpate map` does.
 
     Args:
         method: Name of a method, of `palpate.METHODS`, several names, or `"all"`.
         cells: Cells along each axis, 2 to 1000; the program's default is 100, which takes minutes.
-        viscous_friction: Of the damped device [N s/m]; `None`: that of the paper's.
+        viscous_friction: Viscous friction of the damped device [N s/m]; `None`: that of the paper.
         encoder_quantum: Quantum of the device's position sensor [m].
-        model_mass: Mass of the device that the renderer is told, over the true one.
-        model_period: Period that the renderer is told, over the true one.
+        model_mass: Ratio of the model value of the device mass to the true mass.
+        model_period: Ratio of the model value of the period to the true period.
         delay: Time from a sample to the beginning of its force [periods].
         lag: Time constant of the actuator [periods].
         delay_deviation: Standard deviation of the delay in the renderer's model [periods].
         lag_deviation: Standard deviation of the lag in the renderer's model [periods].
-        forces: What drives device and object together: `"balanced"` or `"weight"`.
+        forces: Forces that press device and object together: `"balanced"` or `"weight"`.
 
     Returns:
-        The report: `methods` says on how much of the map each one is stable and faithful; `rows` has the cells.
+        The report: `methods` has the fraction of the map on which each method is stable and faithful; `rows` has the
+        cells.
 
     Raises:
-        ValueError: A value that is not allowed.
+        ValueError: An argument is not allowed.
     """
     given = dict(locals())
     del given["method"]
@@ -233,16 +237,16 @@ def advise(
     lag_deviation: float | None = None,
     device_file: DeviceFile | None = None,
 ) -> Report:
-    """Says what can be rendered on a device, and by which method, as `palpate advise` does.
+    """Computes the contacts that each method can render on a device, as `palpate advise` does.
 
     Args:
         period: Period T of the loop [s].
         device_mass: Effective mass of the device [kg]; `None`: that of `device_file`.
-        stiffness: Stiffness K of the contact that one would like [N/m]; `None`: how stiff can it be?
+        stiffness: Desired stiffness K of the contact [N/m]; `None`: none, the report has the stiffest contact.
         mass: Mass M of the object [kg]; `math.inf`: a wall.
         method: Name of a method, several names, or `"all"`.
-        viscous_friction: Of the device [N s/m].
-        coulomb_friction: Of the device [N].
+        viscous_friction: Viscous friction of the device [N s/m].
+        coulomb_friction: Coulomb friction of the device [N].
         encoder_quantum: Quantum of the position sensor [m]; `None`: that of `device_file`, or 0.
         delay: Time from a sample to the beginning of its force [periods]; `None`: that of `device_file`, or 0.
         lag: Time constant of the actuator [s]; `None`: that of `device_file`, or 0.
@@ -251,12 +255,12 @@ def advise(
         device_file: A device file of `palpate calibrate`, or a `palpate.Calibration`.
 
     Returns:
-        The report: `verdict`, and for each of `methods` how it renders the contact, the stiffest contact and the lightest
-        object.
+        The report: `verdict`, and for each of `methods` its result for the contact, the stiffest contact and the
+        lightest object.
 
     Raises:
-        ValueError: A value that is not allowed, or a device file that cannot be read as one.
-        OSError: A device file that is not there.
+        ValueError: An argument is not allowed, or the device file is not valid.
+        OSError: The device file cannot be read.
     """
     question_period(period)
     given = {

@@ -1,4 +1,4 @@
-"""Arrays of records as tables of other packages."""
+"""Conversion of arrays of records to tables of other packages."""
 
 from __future__ import annotations
 
@@ -9,34 +9,34 @@ from numpy.typing import NDArray
 
 
 def of_records(rows: NDArray[np.void]) -> dict[str, NDArray[Any]]:
-    """The fields of an array of records, each as an array of its own."""
+    """Returns the fields of an array of records, each as a separate array."""
     return {name: np.ascontiguousarray(rows[name]) for name in rows.dtype.names or ()}
 
 
 class Table:
-    """What has rows, as a table of pandas or of Polars."""
+    """Conversion of rows to a table of pandas or Polars."""
 
     __slots__ = ()
 
     def _columns(self) -> dict[str, NDArray[Any]]:
-        """The columns by their names."""
+        """Returns the columns by name."""
         raise NotImplementedError
 
     def to_pandas(self) -> Any:
-        """The rows as a `pandas.DataFrame`.
+        """Returns the rows as a `pandas.DataFrame`.
 
         Raises:
-            ImportError: pandas is not there.
+            ImportError: pandas is not installed.
         """
         import pandas
 
         return pandas.DataFrame(self._columns())
 
     def to_polars(self) -> Any:
-        """The rows as a `polars.DataFrame`.
+        """Returns the rows as a `polars.DataFrame`.
 
         Raises:
-            ImportError: Polars is not there.
+            ImportError: Polars is not installed.
         """
         import polars
 

@@ -1,4 +1,4 @@
-"""What a renderer says after a sample: plain tuples with names."""
+"""Results of a renderer after a sample, as named tuples."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 
 class Output(NamedTuple):
-    """The answer to one sample. Positions, velocities and forces are along the contact's axis."""
+    """Result for one sample. Positions, velocities and forces are along the contact's axis."""
 
     force_on_device: float
-    """Force on the device [N]: what the motor is to be commanded, and to hold until the next sample."""
+    """Force on the device [N]: the motor command to hold until the next sample."""
     force_on_object: float
-    """The same force on the object [N], opposite in sign."""
+    """The opposite force, on the object [N]."""
     object_position: float
     """Position of the object at this sample [m]."""
     object_velocity: float
@@ -19,20 +19,20 @@ class Output(NamedTuple):
     penetration: float
     """Penetration of the device into the object at this sample [m]: positive in contact, 0 after a fault."""
     phase: str
-    """What the coming interval is predicted to hold: one of `palpate.PHASES`."""
+    """Predicted phase of the coming interval: one of `palpate.PHASES`."""
     transition_after: float
-    """Instant of the predicted transition, after this sample [s]; 0 where there is none."""
+    """Time from this sample to the predicted transition [s]; 0 without a transition."""
     object_shift: float
-    """How far `coupled` shifted the object over the last interval [m]; 0 for other methods."""
+    """Shift of the object by `coupled` over the last interval [m]; 0 for other methods."""
     limited: tuple[str, ...]
-    """Limits that changed the force: of `palpate.LIMITS`, `soft-start`, and `safety-stop`: the loop has
-    created energy, and the force stays 0 until `reset()`."""
+    """Limits that changed the force: those of `palpate.LIMITS`, `soft-start`, and `safety-stop`: the loop has
+    generated energy, and the force stays 0 until `reset()`."""
     fault: str | None
-    """Why the sample was refused, one of `palpate.FAULTS`; `None` where it was not. The force is then 0."""
+    """Reason for rejecting the sample, one of `palpate.FAULTS`, and the force is 0; `None` for a valid sample."""
 
 
 class Leak(NamedTuple):
-    """Energy that a held force created (positive) or destroyed (negative)."""
+    """Energy that a held force generated (positive) or dissipated (negative)."""
 
     last: float
     """Leak of the last closed interval [J]."""
@@ -43,7 +43,7 @@ class Leak(NamedTuple):
 
 
 class Ledger(NamedTuple):
-    """EnergyLedger of the object's energy, up to the last sample; energy is positive into the object.
+    """Energy ledger of the object up to the last sample; energy is positive into the object.
 
     `stored - stored at the start = port_work + virtual_force_work + outside_work + held_leak.accumulated`
     """
@@ -55,16 +55,16 @@ class Ledger(NamedTuple):
     virtual_force_work: float
     """Work of the virtual force on the object [J]."""
     outside_work: float
-    """What changed the object from outside [J]: teleports, and time in which no sample could be trusted."""
+    """Energy of external changes of the object [J]: teleports, and intervals without a valid sample."""
     original_leak: Leak
     """Leak of the plain spring force over the same motion."""
     held_leak: Leak
-    """Leak of the force that was held."""
+    """Leak of the held force."""
 
 
 class Situation(NamedTuple):
-    """What a method of one's own is told at a sample, with the device in contact. The object is on the side
-    of greater positions here, whatever the scene says; the bench mirrors what comes out."""
+    """Input of a user-defined method at a sample in contact. The object is always on the side of greater positions. For
+    a scene with the object on the other side, values and force are mirrored."""
 
     penetration: float
     """Penetration of the device into the object [m], above 0."""
@@ -75,10 +75,10 @@ class Situation(NamedTuple):
     virtual_force: float
     """Virtual force on the object [N]."""
     previous_penetration: float
-    """Penetration at the sample before [m]; negative out of contact."""
+    """Penetration at the previous sample [m]; negative out of contact."""
     elapsed: float
-    """Time since the sample before [s]."""
+    """Time since the previous sample [s]."""
     port_work: float
-    """Energy that has gone into the object through the port [J]."""
+    """Energy that entered the object through the port [J]."""
     held_leak: float
-    """Energy that the held force has created so far [J]."""
+    """Energy that the held force has generated so far [J]."""

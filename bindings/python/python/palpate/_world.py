@@ -28,13 +28,13 @@ from ._world_values import (
 
 
 class World(Fixed, _palpate.World):
-    """Several devices, bodies and contacts, rendered by one method, sample by sample.
+    """World of devices, bodies and contacts in space, rendered by one method, sample by sample.
 
         world = palpate.World("experiments/worlds/paddle.toml")
         force = world.step([0.0, 0.0, 0.001])
 
-    A file is one of format 2. Without a file the tables of one are given, with its keys and units
-    (`docs/worlds.md` in palpate's repository lists them):
+    The world comes from a file of format 2, or from tables with the keys and units of such a file (`docs/worlds.md` in
+    palpate's repository lists them):
 
         world = palpate.World(
             loop={"period_s": 0.001},
@@ -44,31 +44,31 @@ class World(Fixed, _palpate.World):
             contacts=[{"between": ["tool", "ball"], "stiffness_n_per_m": 2000.0}],
         )
 
-    A world is made for motors. So it has the limits of `palpate pipe`: the force on each device is limited to
-    20 N as a length, and where a start or a recovery finds a tool inside a body, the force comes in over 0.2 s.
-    `force_limit=math.inf, soft_start=0` switches that off.
+    A world is meant to drive motors and has the limits of `palpate pipe`: the magnitude of the force on each device is
+    limited to 20 N, and if a tool is inside a body at a start or a recovery, the force ramps up over 0.2 s.
+    `force_limit=math.inf, soft_start=0` disables these limits.
 
     Args:
-        path: A file. `None`: the world is in the tables.
-        title: A line for tables and figures.
+        path: Path of a world file. `None`: the world is in the tables.
+        title: Title for tables and figures, one line.
         loop: The loop, with `period_s`.
         devices: A table for each device, with its tool.
         bodies: A table for each body.
-        contacts: A table for each law.
+        contacts: A table for each contact law.
         joints: A table for each joint.
-        render: Which method renders where none is named, its settings, and the told masses.
-        told: Delay, lag and gain as the renderer is told them.
-        measure: The window of `palpate.simulate`.
+        render: The default method, its settings, and the model values of the device masses.
+        model: Model values of delay, lag and gain.
+        measure: The evaluation window of `palpate.simulate`.
         method: Name of a method for worlds. `None`: that of the file, else `coupled`.
-        force_limit: Largest length of the force on each device [N]; `math.inf`: no limit. `None`: that of the
-            file, else 20.
-        torque_limit: Largest length of the torque on each device of six axes [N m]; `math.inf`: no limit. `None`: that
-            of the file, else 1, or none where the force has none.
-        soft_start: Time over which a force comes in where a start or a recovery finds contact, at most 60 [s].
+        force_limit: Largest magnitude of the force on each device [N]; `math.inf`: no limit. `None`: that of the file,
+            else 20.
+        torque_limit: Largest magnitude of the torque on each device of six axes [N m]; `math.inf`: no limit. `None`:
+            that of the file, else 1, or no limit if the force has none.
+        soft_start: Duration of the force ramp if a start or a recovery begins in contact [s], at most 60.
 
     Raises:
-        ValueError: Everything that is wrong with the world, a line for each.
-        OSError: A file that cannot be read.
+        ValueError: The world is not valid; the message has a line for each error.
+        OSError: A file cannot be read.
     """
 
     def __new__(
@@ -111,7 +111,7 @@ class World(Fixed, _palpate.World):
             return cls._of(_palpate.to_toml({"format": 2, **_as_lists(tables)}), None, "", made_by)
         given = [key for key, value in tables.items() if value is not None]
         if given:
-            raise ValueError(f"{given[0]} stands in the file: give either a path or tables; replace() changes tables")
+            raise ValueError(f"path and {given[0]} are given: give either a path or tables; replace() changes tables")
         return cls._of(*_palpate.read_scene(path), made_by)
 
     @classmethod
@@ -130,30 +130,30 @@ class World(Fixed, _palpate.World):
 
     @classmethod
     def parse(cls, text: str, folder: str | os.PathLike[str] = "") -> World:
-        """The world of the text of a file; files of meshes are looked for in `folder`."""
+        """Parses the text of a world file; `folder` has the mesh files."""
         made_by = {"method": None, "force_limit": None, "torque_limit": None, "soft_start": 0.2}
         return cls._of(text, "world", folder, made_by)
 
     def step(self, position: ArrayLike, elapsed: float | None = None) -> NDArray[np.float64]:
-        """One tick: takes a sample of all devices, gives the forces to hold until the next.
+        """Computes one tick: takes a sample of all devices and returns the forces to hold until the next sample.
 
-        A device of six axes measures how it is turned and gives a torque: its sample is a pose, and its answer a
-        wrench. One with `gives_torque = false` takes a pose, too, and its answer is a force.
+        The sample of a device of six axes is a pose, and its result is a wrench. With `gives_torque = false` the sample
+        is a pose and the result is a force.
 
         Args:
-            position: Position of the device [m], three numbers; of a device of six axes a pose of seven: x, y, z [m], and
-                the unit quaternion qw, qx, qy, qz that turns the tool's own axes into those of the world. Of several
-                devices a row for each, in the order of `devices`; where one of them has six axes, all rows are poses,
-                and the quaternion of a device that does not turn is not looked at.
+            position: Position of the device [m], three numbers; for a device of six axes a pose of seven: x, y, z [m],
+                and the unit quaternion qw, qx, qy, qz from the tool frame to the world frame. For several devices a row
+                for each, in the order of `devices`. If one of them has six axes, all rows are poses, and the
+                quaternion of a device without rotation is ignored.
             elapsed: Measured time since the last sample [s]; `None`: one period.
 
         Returns:
-            The force on the device [N], three numbers; of one that gives a torque a wrench of six: fx, fy, fz [N], and the
-            torque about the mass centre along the world's axes tx, ty, tz [N m]. Of several devices a row for each. It is what the
-            device is to give to the hand. A sample that cannot be used gives 0, and `output.fault` says why.
+            The force that the device has to exert on the hand [N], three numbers; for a device with torque a wrench of
+            six: fx, fy, fz [N], and the torque about the centre of mass tx, ty, tz [N m], in the world frame. For
+            several devices a row for each. An invalid sample gives 0, and `output.fault` has the reason.
 
         Raises:
-            ValueError: Not as many numbers as a sample of these devices has.
+            ValueError: The sample has the wrong shape.
         """
         given = numbers("position", position)
         width = self.width()
@@ -174,15 +174,15 @@ class World(Fixed, _palpate.World):
         return self.tick(given, elapsed)
 
     def report_sent(self, force: ArrayLike, device: str | None = None) -> None:
-        """Says what was really sent for the last sample, where that is not what `step` answered.
+        """Reports the force that was actually sent for the last sample, if it differs from the result of `step`.
 
         Args:
-            force: Force on the device [N], three numbers; where a device gives a torque a wrench of six, the torque [N m]
-                behind the force.
-            device: Name of the device; not needed where there is one.
+            force: Force on the device [N], three numbers; if a device has a torque, a wrench of six numbers: the force,
+                then the torque [N m].
+            device: Name of the device; optional for a single device.
 
         Raises:
-            ValueError: No such device, not as many numbers, or one that is not finite.
+            ValueError: The device does not exist, or the force has the wrong shape or is not finite.
         """
         if device is None and len(self._devices) == 1:
             device = self._devices[0]
@@ -197,7 +197,7 @@ class World(Fixed, _palpate.World):
 
     @property
     def devices(self) -> dict[str, ToolState]:
-        """The tool of each device at the last sample, by its name."""
+        """Tool state of each device at the last sample, by name."""
         states = {}
         for name, ((vectors, mass), turned) in zip(self._devices, _palpate.world_tools(self)):
             turn = None
@@ -209,13 +209,13 @@ class World(Fixed, _palpate.World):
 
     @property
     def bodies(self) -> dict[str, BodyState]:
-        """Each body at the last sample, by its name; fixed ones too."""
+        """State of each body at the last sample, by name, including fixed bodies."""
         states = zip(self._bodies, _palpate.world_bodies(self))
         return {name: BodyState(*map(np.array, state)) for name, state in states}
 
     @property
     def contacts(self) -> tuple[ContactState, ...]:
-        """Each point at which two can touch, at the last sample, whether they do or not."""
+        """State of each potential contact point at the last sample."""
         return tuple(
             ContactState((between[0], between[1]), mode, np.array(point), np.array(normal), depth, np.array(force), np.array(bristle))
             for between, mode, point, normal, depth, force, bristle in _palpate.world_contacts(self)
@@ -223,7 +223,7 @@ class World(Fixed, _palpate.World):
 
     @property
     def ledger(self) -> EnergyLedger:
-        """The books of energy as of the last sample."""
+        """Energy ledger at the last sample."""
         contacts, bodies, devices, joints = _palpate.world_ledger(self)
         return EnergyLedger(
             tuple(ContactLedger((between[0], between[1]), *entries) for between, entries in contacts),
@@ -234,7 +234,7 @@ class World(Fixed, _palpate.World):
 
     @property
     def output(self) -> WorldOutput | None:
-        """What was answered to the last sample; `None` before the first."""
+        """Result of the last sample; `None` before the first."""
         result = self.result()
         if result is None:
             return None
@@ -249,7 +249,7 @@ class World(Fixed, _palpate.World):
         contacts: Iterable[Tables] = (),
         joints: Iterable[Tables] = (),
     ) -> World:
-        """A new world with these beside its own, at its start. Of two laws for the same pair the last counts."""
+        """Returns a new world in its initial state with these parts added. The last law for a pair applies."""
         tables = self.to_dict()
         for key, more in (("device", devices), ("body", bodies), ("contact", contacts), ("joint", joints)):
             more = list(more)
@@ -267,8 +267,8 @@ class World(Fixed, _palpate.World):
         soft_start: float | None = None,
         **tables: Any,
     ) -> World:
-        """A new world with other values, at its start: of `title`, `loop`, `render`, `model` and `measure`, by
-        key, and `devices`, `bodies`, `contacts` and `joints` as wholes; and with another method or other limits.
+        """Returns a new world in its initial state with other values, another method or other limits. `loop`, `render`,
+        `model` and `measure` are replaced by key; `title`, `devices`, `bodies`, `contacts` and `joints` as a whole.
 
             world.replace(loop={"period_s": 0.004}, method="basic")
         """
@@ -289,22 +289,22 @@ class World(Fixed, _palpate.World):
         return self._of(_palpate.to_toml(_as_lists(changed)), None, self.parts()[2], made_by)
 
     def to_dict(self) -> dict[str, Any]:
-        """The tables of the world, with the keys of its file."""
+        """Returns the tables of the world, with the keys of its file."""
         return _palpate.from_toml(self.parts()[0])
 
     def to_toml(self) -> str:
-        """The world as the text of a file."""
+        """Returns the text of the world file."""
         return self.parts()[0]
 
     def __reduce__(self) -> NoReturn:
-        raise TypeError("a World has a state and is not pickled; pickle its to_toml(), and make one anew by World.parse")
+        raise TypeError("a World has a state and cannot be pickled; pickle its to_toml(), and call World.parse")
 
     def __repr__(self) -> str:
         return f"<palpate.World {self.title!r} of {', '.join(self._devices)}: {self.method}>"
 
 
 def _as_lists(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """Rows of tables as lists, which TOML wants."""
+    """Converts arrays of tables to lists, for TOML."""
     rows = ("device", "body", "contact", "joint")
     return {key: list(value) if key in rows else value for key, value in tables.items()}
 

@@ -1,4 +1,4 @@
-"""What a world says after a sample: plain tuples with names. Vectors are arrays along the axes of the world."""
+"""Results of a world after a sample, as named tuples. Vectors are arrays in the world frame."""
 
 from __future__ import annotations
 
@@ -8,48 +8,47 @@ import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
-"""An array of three numbers along the axes of the world."""
+"""Array of three numbers, in the world frame."""
 
 
 class Effort(NamedTuple):
-    """What the integration of a tick has cost, and what it left out."""
+    """Cost of the integration of a tick."""
 
     sub_steps: int
-    """Sub-steps taken."""
+    """Number of sub-steps."""
     refined: int
-    """Sub-steps in which a contact changed its mode, done anew in finer ones."""
+    """Sub-steps with a change of contact mode that were repeated with shorter steps."""
     unrefined: int
-    """Sub-steps in which a contact changed its mode and that were not done anew: there were too many."""
+    """Sub-steps with a change of contact mode that were not repeated, because there were too many."""
     too_fast: bool
-    """Whether the fastest contact asked for more sub-steps than a tick takes."""
+    """Whether the fastest contact needed more sub-steps than a tick allows."""
 
 
 class WorldOutput(NamedTuple):
-    """The answer to one sample of all devices."""
+    """Result for one sample of all devices."""
 
     forces: NDArray[np.float64]
-    """Force on each device [N], a row for each: what it is to give to the hand, and to hold until the next
-    sample. Where a device that gives a torque is among them, each row has the torque about the mass centre [N m] behind
-    the force, 0 for a device that gives none."""
+    """Force that each device has to exert on the hand until the next sample [N], a row for each. If a device has a
+    torque, each row has the torque about the centre of mass [N m] after the force, 0 for a device without torque."""
     limited: tuple[str, ...]
-    """Limits that acted: `force`, `torque`, `offset` of a proxy, `guard`, `soft-start`, and `safety-stop`:
-    the loop has created energy, and all forces stay 0 until `reset()`."""
+    """Active limits: `force`, `torque`, `offset` of a proxy, `guard`, `soft-start`, and `safety-stop`: the loop has
+    generated energy, and all forces stay 0 until `reset()`."""
     effort: Effort
-    """What the tick has cost."""
+    """Cost of the tick."""
     fault: str | None
-    """Why the sample was refused, one of `palpate.FAULTS`; `None` where it was not. All forces are then 0. Positions have to be
-    within 1e154 m: farther ones are `overflow`."""
+    """Reason for rejecting the sample, one of `palpate.FAULTS`, and all forces are 0; `None` for a valid sample.
+    Positions beyond 1e154 m are an `overflow`."""
     fault_device: str | None
-    """The device that the fault is of, where it is one's."""
+    """Device with the fault, if the fault is of one device."""
 
 
 class BodyState(NamedTuple):
-    """A body at the last sample."""
+    """State of a body at the last sample."""
 
     position: Vector
     """Position of the centre of mass [m]."""
     orientation: NDArray[np.float64]
-    """Unit quaternion [w, x, y, z] that turns the body's own axes into those of the world."""
+    """Unit quaternion [w, x, y, z] from the body frame to the world frame."""
     velocity: Vector
     """Velocity of the centre of mass [m/s]."""
     angular_velocity: Vector
@@ -57,61 +56,60 @@ class BodyState(NamedTuple):
 
 
 class TurnState(NamedTuple):
-    """How the tool of a device that measures six axes is turned at the last sample."""
+    """Rotational state of the tool of a device of six axes at the last sample."""
 
     orientation: NDArray[np.float64]
-    """Unit quaternion [w, x, y, z] that turns the tool's own axes into those of the world, by what the method knows."""
+    """Estimated unit quaternion [w, x, y, z] from the tool frame to the world frame."""
     proxy_orientation: NDArray[np.float64]
-    """The same of the proxy."""
+    """Unit quaternion [w, x, y, z] from the proxy frame to the world frame."""
     angular_velocity: Vector
     """Angular velocity of the device [rad/s]."""
     offset: Vector
     """Rotation vector that turns the device into the proxy [rad]."""
     momentum_offset: Vector
-    """Angular momentum of the proxy less that of the device [N m s]."""
+    """Angular momentum of the proxy minus that of the device [N m s]."""
     torque: Vector
-    """Torque about the mass centre that the method asked for at this sample [N m], before the soft start."""
+    """Torque of the method about the centre of mass at this sample [N m], before the soft start."""
     inertia: Vector | None
-    """Moments of inertia of the device with the hand along the tool's axes, as far as the method has learned them
-    [kg m^2]."""
+    """Estimated moments of inertia of device and hand about the tool's axes [kg m^2]; `None` if not estimated."""
 
 
 class ToolState(NamedTuple):
-    """The tool of a device at the last sample."""
+    """State of the tool of a device at the last sample."""
 
     position: Vector
-    """Where the device is, by what the method knows [m]."""
+    """Estimated position of the device [m]."""
     velocity: Vector
     """Velocity of the device [m/s]."""
     proxy_position: Vector
-    """What the world meets in the device's place: its position [m]."""
+    """Position of the proxy, which is in contact with the bodies [m]."""
     proxy_velocity: Vector
     """Velocity of the proxy [m/s]."""
     offset: Vector
-    """Position of the proxy less that of the device [m]."""
+    """Position of the proxy minus that of the device [m]."""
     velocity_offset: Vector
-    """Velocity of the proxy less that of the device [m/s]."""
+    """Velocity of the proxy minus that of the device [m/s]."""
     force: Vector
-    """Force that the method asked for at this sample [N], before the soft start."""
+    """Force of the method at this sample [N], before the soft start."""
     mass: Vector | None
-    """Mass of the device with the hand along each axis, as far as the method has learned it [kg]."""
+    """Estimated mass of device and hand along each axis [kg]; `None` if not estimated."""
     turn: TurnState | None
-    """How it is turned; `None` for a device that does not turn."""
+    """Rotational state; `None` for a device without rotation."""
 
 
 class ContactState(NamedTuple):
-    """A point at which two can touch, at the last sample."""
+    """State of a potential contact point at the last sample."""
 
     between: tuple[str, str]
     """Names of the two sides."""
     mode: str
-    """`free`, `sticks`, `slides`, or `parts`: they overlap but do not push."""
+    """`free`, `sticks`, `slides`, or `parts`: the sides overlap but do not push."""
     point: Vector
-    """Where the force acts [m]."""
+    """Point of action of the force [m]."""
     normal: Vector
     """Unit vector from the second side to the first."""
     penetration: float
-    """How far they overlap [m], 0 where they do not."""
+    """Depth of the overlap [m], 0 without overlap."""
     force: Vector
     """Force on the first side [N]."""
     bristle: Vector
@@ -119,7 +117,7 @@ class ContactState(NamedTuple):
 
 
 class ContactLedger(NamedTuple):
-    """Energy at a contact over all intervals that have ended [J].
+    """Energy at a contact over all completed intervals [J].
 
     `stored = stored at the start + observed + handed - work - dissipated + step_error`
     """
@@ -129,7 +127,7 @@ class ContactLedger(NamedTuple):
     stored: float
     """Energy of the contact's springs."""
     dissipated: float
-    """What damping and friction took: never falls."""
+    """Energy dissipated by damping and friction: never decreases."""
     work: float
     """Work of the contact on both of its sides."""
     work_on_proxy: float
@@ -137,40 +135,40 @@ class ContactLedger(NamedTuple):
     held: float
     """Work of the contact's mean force on the device itself."""
     observed: float
-    """What the stored energy changed by because a sample put the proxy elsewhere."""
+    """Change of the stored energy because a sample moved the proxy."""
     step_error: float
-    """What finite sub-steps have made (positive) or lost."""
+    """Energy generated (positive) or lost by finite sub-steps."""
     handed: float
-    """What came from the other points of the same pair of boxes: the sum over the pair is 0."""
+    """Energy transferred from the other points of the same pair of boxes: the sum over the pair is 0."""
 
     @property
     def leak(self) -> float:
-        """Energy that holding gave to the hand beyond the contact's own work [J]."""
+        """Energy that holding the force gave to the hand beyond the contact's own work [J]."""
         return self.held - self.work_on_proxy
 
 
 class JointLedger(NamedTuple):
-    """Energy of a joint over all intervals that have ended [J].
+    """Energy of a joint over all completed intervals [J].
 
     `stored = stored at the start - work - dissipated + step_error`
     """
 
     between: tuple[str, str]
-    """Name of the body that moves, and of the body against which it does, or `world`."""
+    """Name of the moving body, and of the body to which the joint connects it, or `world`."""
     kind: str
     """`hinge` or `slider`."""
     stored: float
     """Energy of its springs."""
     dissipated: float
-    """What damping took: never falls."""
+    """Energy dissipated by damping: never decreases."""
     work: float
     """Work of the joint on both of its sides."""
     step_error: float
-    """What finite sub-steps have made (positive) or lost."""
+    """Energy generated (positive) or lost by finite sub-steps."""
 
 
 class BodyLedger(NamedTuple):
-    """Energy of a body over all intervals that have ended [J].
+    """Energy of a body over all completed intervals [J].
 
     `kinetic + potential = the same at the start + work + outside + step_error`
     """
@@ -178,45 +176,45 @@ class BodyLedger(NamedTuple):
     kinetic: float
     """Kinetic energy."""
     potential: float
-    """Less the work of its constant force since the start."""
+    """Negative work of its constant force since the start."""
     work: float
     """Work of contacts and joints on it."""
     outside: float
-    """What changed it from outside."""
+    """Energy of external changes."""
     step_error: float
-    """What finite sub-steps have made (positive) or lost."""
+    """Energy generated (positive) or lost by finite sub-steps."""
 
 
 class DeviceLedger(NamedTuple):
-    """Energy at the port of a device over all intervals that have ended [J]; positive to the hand.
+    """Energy at the port of a device over all completed intervals [J]; positive to the hand.
 
     `port_work = held + unforeseen`
     """
 
     port_work: float
-    """Work of the held force on the device as it was measured."""
+    """Work of the held force over the measured motion of the device."""
     held: float
     """Work of the mean force of its contacts on the device."""
     unforeseen: float
-    """What the two differ by."""
+    """Difference of the two."""
     offset: float
-    """Work of the hand on the proxy less that on the device."""
+    """Work of the hand on the proxy minus that on the device."""
     velocity_offset: float
-    """By how much more kinetic energy the proxy has gained than the device."""
+    """Kinetic energy gained by the proxy minus that gained by the device."""
     unpaid: float
-    """Work that the mean force of the contacts does on the device and the force that was asked for does not."""
+    """Work of the mean force of the contacts on the device minus the work of the requested force."""
     walked_back: float
-    """Work of the hand on the offset as it went back to zero, while nothing touched the tool."""
+    """Work of the hand on the offset while it returns to zero without contact."""
 
 
 class EnergyLedger(NamedTuple):
-    """The books of a world's energy."""
+    """Energy ledger of a world."""
 
     contacts: tuple[ContactLedger, ...]
-    """Of each point of contact, in the order of `World.contacts`."""
+    """One for each contact point, in the order of `World.contacts`."""
     bodies: Mapping[str, BodyLedger]
-    """Of each body, by its name."""
+    """One for each body, by name."""
     devices: Mapping[str, DeviceLedger]
-    """Of each device, by its name."""
+    """One for each device, by name."""
     joints: tuple[JointLedger, ...]
-    """Of each joint, in the order of the world."""
+    """One for each joint, in the order of the world."""

@@ -1,20 +1,20 @@
-"""Devices for `palpate.Loop`: simulated ones, and Haply's.
+"""Devices for `palpate.Loop`: simulated devices and Haply devices.
 
     import palpate
 
-    device = palpate.devices.Pointer(position=-0.01)  # a device in a hand that this program leads
+    device = palpate.devices.Pointer(position=-0.01)  # simulated device, in a hand moved by the program
     device = palpate.devices.Simulated("experiments/wall.toml")  # device and hand of a scene
     device = palpate.devices.TwoDiy("/dev/ttyACM0")
     device = palpate.devices.Inverse3()
 
-A world runs on these, one for each of its devices:
+A world needs one of these for each of its devices:
 
-    device = palpate.devices.PointerInWorld(world)  # the world's device in a hand that this program leads
+    device = palpate.devices.PointerInWorld(world)  # device of the world, in a hand moved by the program
     device = palpate.devices.Simulated(world)  # device and hand of the world
-    device = palpate.devices.TwoDiy(world_axes=["x", "z"])  # its plane stands upright in the world
+    device = palpate.devices.TwoDiy(world_axes=["x", "z"])  # its plane is vertical in the world
     device = palpate.devices.Inverse3()
 
-A device is opened when a loop is made with it.
+The constructor of a loop opens its devices.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ __all__ = ["Device", "Inverse3", "Pointer", "PointerInWorld", "Simulated", "TwoD
 
 
 class Device:
-    """Device of a `palpate.Loop`: one of the devices here.
+    """Device of a `palpate.Loop`: base class of the devices in this module.
 
     A driver in Python cannot be a subclass: the loop's thread runs no Python. Call `Renderer.step` or `World.step` from your
     own loop, or implement the trait `Device` of palpate-device in Rust.
@@ -46,34 +46,34 @@ class Device:
     def __new__(cls, *_: Any, **__: Any) -> Self:
         if Device in cls.__bases__ and cls.__module__ != __name__:
             raise TypeError(
-                f"{cls.__name__} cannot be a device of a palpate.Loop: the loop's thread runs no Python, so that it takes "
-                "Pointer, PointerInWorld, Simulated, TwoDiy and Inverse3 only. For a device of your own, call step() of a "
-                "palpate.Renderer or palpate.World from your own loop (docs/python.md), or implement the trait Device of "
-                "palpate-device in Rust"
+                f"{cls.__name__} cannot be a device of a palpate.Loop: the loop's thread runs no Python and accepts "
+                "only Pointer, PointerInWorld, Simulated, TwoDiy and Inverse3. For another device, call step() of a "
+                "palpate.Renderer or palpate.World from your own loop (docs/python.md), or implement the trait Device "
+                "of palpate-device in Rust"
             )
         return super().__new__(cls)
 
     def _given(self) -> dict[str, Any]:
-        raise TypeError("a Device is one of palpate.devices: Pointer, PointerInWorld, Simulated, TwoDiy or Inverse3")
+        raise TypeError("Device is abstract: use Pointer, PointerInWorld, Simulated, TwoDiy or Inverse3")
 
     def _in_scene(self) -> dict[str, Any] | None:
-        """The device as a table of a scene; None where nobody knows its mass."""
+        """Returns the device as a table of a scene; None if its mass is unknown."""
         return None
 
 
 class Pointer(Device):
-    """A simulated device in a hand that a program leads, as `palpate live` has for the mouse.
+    """Simulated device in a hand that the program moves, like the mouse device of `palpate live`.
 
-    The hand follows its target through a critically damped filter of 100 rad/s, and holds the device by a spring and a
-    damper. Let go of, the device moves by itself until its friction stops it.
+    The hand follows its target through a critically damped filter of 100 rad/s and holds the device by a spring and a
+    damper. After a release the device moves freely until its friction stops it.
 
     Args:
         mass: Mass of the device [kg].
-        position: Where device and hand are at the start [m].
+        position: Initial position of device and hand [m].
         viscous_friction: Viscous friction of the device [N s/m].
-        dry_friction: Dry friction of the device while nobody holds it [N].
+        dry_friction: Dry friction of the device while the hand has released it [N].
         encoder_quantum: Quantum of the position [m]; 0: none.
-        largest_force: What the motor gives at most [N]; `None`: whatever is commanded.
+        largest_force: Force limit of the motor [N]; `None`: no limit.
         hand_mass: Mass of the hand, which moves with the device while it holds it [kg].
         hand_stiffness: Stiffness of the hand [N/m].
         hand_damping: Damping of the hand [N s/m].
@@ -98,20 +98,20 @@ class Pointer(Device):
         self._hand = _palpate.Hand(position)
 
     def move_to(self, target: float) -> None:
-        """Leads the hand to `target` [m], along the contact's axis; a hand that has let go takes hold again.
+        """Moves the hand to `target` [m], along the contact's axis. After a release it grasps the device again.
 
         Raises:
-            ValueError: A target that is not finite.
+            ValueError: The target is not finite.
         """
         self._hand.move_to(target)
 
     def disable_output(self) -> None:
-        """Lets go of the device."""
+        """Releases the device."""
         self._hand.disable_output()
 
     @property
     def target(self) -> float | None:
-        """Where the hand wants to be [m]; `None`: it has let go."""
+        """Target of the hand [m]; `None` after a release."""
         return self._hand.target
 
     def _given(self) -> dict[str, Any]:
@@ -130,18 +130,18 @@ class Pointer(Device):
 
 
 class PointerInWorld(Device):
-    """The device of a world in a hand that a program leads through space.
+    """Simulated device of a world in a hand that the program moves in space.
 
-    Along each axis of the world it is a `Pointer` with the mass and the sensor that the world's device has along it. It
-    begins where that device does; its motors have the world's delay, lag and gain. The hand turns a device of six axes with the
-    stiffness and damping of the world's hand, or 0.3 N m/rad.
+    Along each axis of the world it is a `Pointer` with the mass and the sensor of the world's device. It starts at the
+    initial position of that device; its motors have the world's delay, lag and gain. The hand rotates a device of six
+    axes with the stiffness and damping of the world's hand, or 0.3 N m/rad.
 
     Args:
         world: A world with devices of three or six axes.
         device: Name of the device in the world; `None`: the only one.
 
     Raises:
-        ValueError: A name that the world has not, or none where it has several devices.
+        ValueError: The world does not have the device; or it has several, and none is named.
     """
 
     def __init__(self, world: World, device: str | None = None) -> None:
@@ -161,10 +161,10 @@ class PointerInWorld(Device):
         return self._device
 
     def move_to(self, target: ArrayLike) -> None:
-        """Leads the hand to `target`, three coordinates in the world [m]; a hand that has let go takes hold again.
+        """Moves the hand to `target`, in the world frame [m]. After a release it grasps the device again.
 
         Raises:
-            ValueError: Not three numbers that are finite.
+            ValueError: The target is not three finite numbers.
         """
         given = numbers("target", target)
         if given.shape != (3,):
@@ -172,22 +172,22 @@ class PointerInWorld(Device):
         self._hand.move_to(given.tolist())
 
     def disable_output(self) -> None:
-        """Lets go of the device."""
+        """Releases the device."""
         self._hand.disable_output()
 
     @property
     def target(self) -> tuple[float, float, float] | None:
-        """Where the hand wants to be in the world [m]; `None`: it has let go."""
+        """Target of the hand in the world frame [m]; `None` after a release."""
         target = self._hand.target
         return None if target is None else (target[0], target[1], target[2])
 
     def turn_to(self, orientation: ArrayLike | None) -> None:
-        """Turns the hand of a device of six axes to `orientation`, a quaternion w, x, y, z; `None`: as the device begins.
+        """Turns the hand of a device of six axes to `orientation`, a quaternion w, x, y, z; `None`: the initial one.
 
-        A hand that has let go turns nothing until `move_to` takes hold again, and leads the device to this then.
+        After a release the orientation takes effect when `move_to` grasps the device again.
 
         Raises:
-            ValueError: Not four numbers that are finite, or all of them 0.
+            ValueError: The orientation is not four finite numbers, or has the length 0.
         """
         if orientation is None:
             self._hand.turn_to(None)
@@ -199,7 +199,7 @@ class PointerInWorld(Device):
 
     @property
     def orientation(self) -> tuple[float, float, float, float] | None:
-        """How the hand wants the device to be turned, a unit quaternion w, x, y, z; `None`: as the device begins."""
+        """Target orientation of the hand, a unit quaternion w, x, y, z; `None`: the initial orientation."""
         turned = self._hand.orientation
         return None if turned is None else (turned[0], turned[1], turned[2], turned[3])
 
@@ -208,11 +208,11 @@ class PointerInWorld(Device):
 
 
 class Simulated(Device):
-    """The device and the hand of a scene or of a world, in real time. Contacts and loop of it are not used.
+    """Device and hand of a scene or of a world, in real time. Its contacts and its loop are not used.
 
     Args:
-        scene: A `palpate.Scene`, the path of a scene file, or a `palpate.World`; of a world with several devices, it is the one
-            that has the name for which the loop takes it.
+        scene: A `palpate.Scene`, the path of a scene file, or a `palpate.World`. In a world with several devices, the
+            loop assigns the name of the device.
     """
 
     def __init__(self, scene: Scene | World | str | os.PathLike[str]) -> None:
@@ -229,23 +229,23 @@ class Simulated(Device):
 
 
 class TwoDiy(Device):
-    """A Haply 2DIY on a serial port, or `palpate emulate haply-2diy`.
+    """Haply 2DIY on a serial port, or `palpate emulate haply-2diy`.
 
-    The board holds its last torque until it is told another one. A watchdog, a process beside this one, takes that torque
-    off when this process is killed or hangs. Read `docs/devices/haply-2diy.md` first.
+    The board holds its last torque until the next command. A watchdog process removes this torque if the program is
+    killed or hangs. Read `docs/devices/haply-2diy.md` first.
 
     Args:
-        port: Serial port; `None`: the one that looks like a 2DIY.
+        port: Serial port; `None`: the port that looks like a 2DIY.
         generation: 1, 2 or 3.
-        board: `"m0"`, `"m3"` or `"dev"`; `None`: found out where its first angles tell.
-        start_pose: Pose of the arm while it is opened: `"retracted"`, `"extended"`, or two angles [degrees]. Elsewhere
-            forces point in wrong directions.
-        origin: Where the contact's coordinate is 0, along the device's two axes [m]; of a world, what place of the device is
-            that at which the world's device begins. `None`: the usual place.
-        normal: Direction in which the contact's coordinate grows; `None`: away from the base. Not for a world.
-        world_axes: Which axis of the world each of its two is, such as `["x", "-z"]`, with - where it points the other
-            way; `None`: x and y. Along the third the tool stays where it begins. For a world only.
-        watchdog: Whether there is a watchdog.
+        board: `"m0"`, `"m3"` or `"dev"`; `None`: detected from the first angles, if possible.
+        start_pose: Pose of the arm while the device is opened: `"retracted"`, `"extended"`, or two angles [degrees]. In
+            another pose, forces have wrong directions.
+        origin: Device position at which the contact's coordinate is 0 [m]; for a world, device position that
+            corresponds to the initial position of the world's device. `None`: the default position.
+        normal: Direction in which the contact's coordinate increases; `None`: away from the base. Not for a world.
+        world_axes: Axes of the world for the two device axes, such as `["x", "-z"]`; "-" reverses the direction.
+            `None`: x and y. Along the third axis the tool stays at its initial position. For a world only.
+        watchdog: Whether to start a watchdog process.
     """
 
     def __init__(
@@ -268,7 +268,7 @@ class TwoDiy(Device):
             "origin": None if origin is None else row("origin", origin),
             "normal": None if normal is None else row("normal", normal),
             "world_axes": None if world_axes is None else list(world_axes),
-            "watchdog": __watchdog() if watchdog else None,
+            "watchdog": _watchdog_command() if watchdog else None,
         }
 
     def _given(self) -> dict[str, Any]:
@@ -276,16 +276,16 @@ class TwoDiy(Device):
 
 
 class Inverse3(Device):
-    """A Haply Inverse3 behind its Inverse Service, or `palpate emulate inverse3`.
+    """Haply Inverse3 behind its Inverse Service, or `palpate emulate inverse3`.
 
     Args:
-        service: URL of the service's simulation channel; `None`: `ws://localhost:10001`.
-        events: URL of its events channel, which tells why a device is gone; `None`: not listened to.
-        device_id: Which Inverse3 of the service; `None`: the only one.
-        origin: Where the contact's coordinate is 0 [m]; of a world, what place of the device is that at which the world's
-            device begins. `None`: where the cursor is when the device is opened.
-        normal: Direction in which the contact's coordinate grows; `None`: along x. Not for a world.
-        world_axes: Which axis of the world each of its three is, such as `["x", "-z", "y"]`; `None`: x, y and z. For a
+        service: URL of the simulation channel of the service; `None`: `ws://localhost:10001`.
+        events: URL of its events channel, which reports the reason for a lost device; `None`: not used.
+        device_id: Identifier of the Inverse3; `None`: the only one.
+        origin: Device position at which the contact's coordinate is 0 [m]; for a world, device position that
+            corresponds to the initial position of the world's device. `None`: the position of the cursor at opening.
+        normal: Direction in which the contact's coordinate increases; `None`: along x. Not for a world.
+        world_axes: Axes of the world for the three device axes, such as `["x", "-z", "y"]`; `None`: x, y and z. For a
             world only.
     """
 
@@ -324,8 +324,8 @@ module.guard()
 """
 
 
-def __watchdog() -> list[str]:
-    """The command that serves as a watchdog."""
+def _watchdog_command() -> list[str]:
+    """Returns the command that runs the watchdog process."""
     if not sys.executable or _palpate.__file__ is None:
         return []
     return [sys.executable, "-I", "-S", "-c", _SERVE, _palpate.__file__]

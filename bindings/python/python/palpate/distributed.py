@@ -8,10 +8,9 @@
         study.run(client, "/shared/map")
     reach = study.merge("/shared/map")  # what palpate.map returns
 
-Each part is a task of Dask, and a file in a folder that all machines share (Parquet). A file appears whole or not at
-all, and what is in it depends on the study and on the number of the part alone: not on how many workers there are, or
-which of them made it. So a worker that dies loses the parts that it was making, which Dask gives to others, and a study
-that was stopped goes on where it was when it is run again.
+Each part is a Dask task and a Parquet file in a folder that all machines share. A file is written atomically. Its
+content depends only on the study and on the number of the part, not on the number or choice of workers. If a worker
+dies, Dask reassigns its unfinished parts. A stopped study continues with the missing parts when it is run again.
 """
 
 from __future__ import annotations
@@ -43,13 +42,13 @@ except ImportError as _missing:
 __all__ = ["MapStudy", "Study", "SuiteStudy", "TuneStudy", "map", "suite", "tune"]
 
 _KEY = b"palpate"
-"""Key of the metadata of a part: what it is a part of, and what is not in its columns, as JSON."""
+"""Key of the metadata of a part, as JSON: identity of the study, and data that are not in its columns."""
 
 
 class Study:
-    """Something to compute in parts. `map`, `suite` and `tune` make one.
+    """Computation in parts. `map`, `suite` and `tune` create one.
 
-    A study is small, and is pickled. It has no state: what is done stands in the folder.
+    A study is small and is pickled. It has no state: the folder has the completed parts.
     """
 
     parts: int
@@ -61,20 +60,20 @@ class Study:
         self.parts = parts
 
     def run(self, client: _dask.Client, folder: str | os.PathLike[str]) -> list[Path]:
-        """Makes the parts that are not in the folder yet, and waits for them.
+        """Computes the parts that are missing in the folder, and waits for them.
 
         Args:
-            client: A client of Dask. Its workers need palpate of this version, and see the folder under this path.
-            folder: Where the parts are, each a Parquet file.
+            client: A Dask client. Its workers need the same version of palpate, and the folder under the same path.
+            folder: Folder of the parts, each a Parquet file.
 
         Returns:
             The files of all parts.
 
         Raises:
-            ValueError: A file in the folder that is a part of another study.
-            distributed.KilledWorker: A part took several workers with it, more than
+            ValueError: A file in the folder is a part of another study.
+            distributed.KilledWorker: A part killed several workers, more than
                 `distributed.scheduler.allowed-failures` of Dask's configuration (3). Other parts are kept.
-            Exception: What a part raises.
+            Exception: An exception of a part.
         """
         futures = self.submit(client, folder)
         try:
@@ -88,11 +87,11 @@ class Study:
         return [Path(folder) / self.file(part) for part in range(1, self.parts + 1)]
 
     def submit(self, client: _dask.Client, folder: str | os.PathLike[str]) -> list[_dask.Future]:
-        """Gives the parts that are not in the folder yet to Dask, and does not wait: a future for each of them. For
+        """Submits the parts that are missing in the folder to Dask without waiting, and returns a future for each. For
         several studies at once.
 
         Raises:
-            ValueError: A file in the folder that is a part of another study.
+            ValueError: A file in the folder is a part of another study.
         """
         Path(folder).mkdir(parents=True, exist_ok=True)
         return [
@@ -101,13 +100,13 @@ class Study:
         ]
 
     def make(self, part: int, folder: str | os.PathLike[str]) -> str:
-        """Computes a part in this process, in one thread, and writes its file, unless it is there.
+        """Computes a part in this process, in one thread, and writes its file, unless the file exists.
 
         Returns:
             The name of its file.
 
         Raises:
-            ValueError: No such part, or a file of another study in its place.
+            ValueError: The part does not exist, or its file belongs to another study.
         """
         if not 1 <= part <= self.parts:
             raise ValueError(f"part is {part}, but must be 1 to {self.parts}")
@@ -123,14 +122,14 @@ class Study:
         return name
 
     def file(self, part: int) -> str:
-        """Name of the file of a part."""
+        """Returns the name of the file of a part."""
         return f"part-{part:05}-of-{self.parts:05}.parquet"
 
     def missing(self, folder: str | os.PathLike[str]) -> list[int]:
-        """The parts that are not in the folder.
+        """Returns the parts that are missing in the folder.
 
         Raises:
-            ValueError: A file in the folder that is a part of another study.
+            ValueError: A file in the folder is a part of another study.
         """
         return [part for part in range(1, self.parts + 1) if not self._has(Path(folder) / self.file(part), part)]
 
@@ -144,7 +143,7 @@ class Study:
         return True
 
     def _whole(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """The files of all parts."""
+        """Returns the files of all parts."""
         missing = self.missing(folder)
         if missing:
             named = ", ".join(str(part) for part in missing[:10]) + (" and more" if len(missing) > 10 else "")
@@ -152,21 +151,21 @@ class Study:
         return [Path(folder) / self.file(part) for part in range(1, self.parts + 1)]
 
     def _identity(self, part: int) -> dict[str, Any]:
-        """What a part follows from, as JSON."""
+        """Returns the inputs that determine a part, for JSON."""
         return {"palpate_version": __version__, "part": f"{part}/{self.parts}", **self._parameters()}
 
     def _parameters(self) -> dict[str, Any]:
         raise NotImplementedError
 
     def _compute(self, part: int) -> tuple[Mapping[str, Any], dict[str, Any]]:
-        """The columns of a part, and what stands beside them."""
+        """Returns the columns of a part and its further metadata."""
         raise NotImplementedError
 
 
 class MapStudy(Study):
-    """A map in parts: `palpate.distributed.map` makes one.
+    """Map in parts: `palpate.distributed.map` creates one.
 
-    A part has the columns of the program's file, and the cells of its `palpate map --shard`.
+    A part has the columns of the program's file and the cells of `palpate map --shard`.
     """
 
     def __init__(self, method: str | Sequence[str], arguments: dict[str, Any], parts: int) -> None:
@@ -178,10 +177,10 @@ class MapStudy(Study):
         self.arguments = arguments
 
     def merge(self, folder: str | os.PathLike[str]) -> Map:
-        """The map of all parts: what `palpate.map` returns, but for how long it took.
+        """Merges all parts to the result of `palpate.map`, except for the duration.
 
         Raises:
-            ValueError: Parts that are missing, or of another study.
+            ValueError: Parts are missing or belong to another study.
         """
         columns = _palpate.map_columns()
         parts = []
@@ -204,7 +203,7 @@ class MapStudy(Study):
 
 
 class SuiteStudy(Study):
-    """Random plants in parts: `palpate.distributed.suite` makes one.
+    """Random plants in parts: `palpate.distributed.suite` creates one.
 
     A part has a row for each plant, condition and column of methods.
     """
@@ -217,10 +216,10 @@ class SuiteStudy(Study):
         self._conditions, self._columns = _palpate.suite_names(set, plants, method)
 
     def merge(self, folder: str | os.PathLike[str]) -> Report:
-        """The report on all plants: what `palpate.suite` returns.
+        """Merges all parts to the result of `palpate.suite`.
 
         Raises:
-            ValueError: Parts that are missing, or of another study.
+            ValueError: Parts are missing or belong to another study.
         """
         conditions = {name: place for place, name in enumerate(self._conditions)}
         columns = {name: place for place, name in enumerate(self._columns)}
@@ -257,7 +256,7 @@ _COUNTS = ("diverged", "samples", "limited")
 
 
 class TuneStudy(Study):
-    """Tunings of a method on many scenes, a part for each: `palpate.distributed.tune` makes one.
+    """Tunings of a method on many scenes, a part for each: `palpate.distributed.tune` creates one.
 
     A part has the columns of the report's `curve`.
     """
@@ -267,10 +266,10 @@ class TuneStudy(Study):
         self.scenes, self.method, self.arguments = list(scenes), method, arguments
 
     def merge(self, folder: str | os.PathLike[str]) -> list[Report]:
-        """The report of each scene, in their order: what `palpate.tune` returns.
+        """Returns the result of `palpate.tune` for each scene, in order.
 
         Raises:
-            ValueError: Parts that are missing, or of another study.
+            ValueError: Parts are missing or belong to another study.
         """
         said = [_said(path)["report"] for path in self._whole(folder)]
         return [Report._of((fields, text), figure) for fields, text, figure in said]
@@ -293,25 +292,25 @@ class TuneStudy(Study):
 
 
 def map(method: str | Sequence[str] = "all", *, cells: int = 100, parts: int = 64, **arguments: Any) -> MapStudy:
-    """A map of what each method can render, in parts.
+    """Creates a map of the contacts that each method can render, in parts.
 
     Args:
         method: Name of a method, of `palpate.METHODS`, several names, or `"all"`.
-        cells: Cells along each axis, 2 to 1000; there is a column of walls besides.
-        parts: Number of parts, each a task. Take several for each worker, so that none waits for long in the end.
-        arguments: The others of `palpate.map`.
+        cells: Cells along each axis, 2 to 1000; a column of walls is added.
+        parts: Number of parts, each a task. Use several for each worker to keep all workers busy until the end.
+        arguments: Other arguments of `palpate.map`.
 
     Returns:
-        The study: `run` it, then `merge`.
+        The study: call `run`, then `merge`.
 
     Raises:
-        ValueError: A value that is not allowed.
-        TypeError: An argument that `palpate.map` does not have.
+        ValueError: An argument is not allowed.
+        TypeError: `palpate.map` does not have an argument.
     """
     known = {**(_map.__kwdefaults__ or {}), "cells": cells}
     for name in arguments:
         if name not in known:
-            raise TypeError(f"no argument of palpate.map is called {name}; it has {', '.join(known)}")
+            raise TypeError(f"palpate.map has no argument {name}; it has {', '.join(known)}")
     given = {name: plain(value) for name, value in {**known, **arguments}.items()}
     return MapStudy(method, given, plain(parts))
 
@@ -324,18 +323,18 @@ def suite(
     plants: int = 200,
     parts: int = 20,
 ) -> SuiteStudy:
-    """Methods on plants that are drawn at random, in parts.
+    """Creates a study of methods on random plants, in parts.
 
     Args:
-        parts: Number of parts, each a task with as many plants as the others, or one less.
+        parts: Number of parts, each a task; the numbers of plants per part differ by at most one.
 
     The other arguments are those of `palpate.suite`.
 
     Returns:
-        The study: `run` it, then `merge`.
+        The study: call `run`, then `merge`.
 
     Raises:
-        ValueError: A value that is not allowed.
+        ValueError: An argument is not allowed.
     """
     return SuiteStudy(set, method, plain(seed), plain(plants), plain(parts))
 
@@ -347,26 +346,26 @@ def tune(
     steps: int = 400,
     least: str = "error",
 ) -> TuneStudy:
-    """A method at values of its damping on many scenes, a part for each scene.
+    """Creates a study of a method at several values of its damping on many scenes, a part for each scene.
 
     Args:
-        scenes: Scenes, or paths of scene files. Workers get their text; files that the scenes name must be there.
+        scenes: Scenes, or paths of scene files. Workers get their text; files that the scenes name must exist there.
 
     The other arguments are those of `palpate.tune`.
 
     Returns:
-        The study: `run` it, then `merge`.
+        The study: call `run`, then `merge`.
 
     Raises:
-        ValueError: No scene, or one that cannot be read as one.
-        OSError: A file that cannot be read.
+        ValueError: There is no scene, or a scene is not valid.
+        OSError: A file cannot be read.
     """
     several = [scene for scene in _scenes(scenes) if isinstance(scene, Scene)]
     return TuneStudy(several, method, {"steps": plain(steps), "least": least})
 
 
 def _column(name: str, values: Sequence[str]) -> Any:
-    """A column of a map from its text: words, counts, or numbers, of which walls have no `resting_swing`."""
+    """Converts the text of a column of a map: words, counts, or numbers; the `resting_swing` of walls is missing."""
     if name in ("plant", "method"):
         return pyarrow.array(values).dictionary_encode()
     if name in ("cell", "stable", "growing", "diverged"):
@@ -375,9 +374,9 @@ def _column(name: str, values: Sequence[str]) -> Any:
 
 
 def _said(path: Path) -> dict[str, Any]:
-    """What a file says of itself."""
+    """Reads palpate's metadata of a file."""
     metadata = pyarrow.parquet.read_schema(path).metadata or {}
     if _KEY not in metadata:
-        raise ValueError(f"{path} is no part of a study of palpate")
+        raise ValueError(f"{path} is not a part of a study of palpate")
     said: dict[str, Any] = json.loads(metadata[_KEY])
     return said

@@ -7,8 +7,8 @@ use std::time::Duration;
 use palpate::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device};
-use palpate_haply::prepared::{Axis, FIRST_AXIS};
 use palpate_haply::inverse3::{Inverse3, Inverse3Options, Pace, SERVICE};
+use palpate_haply::prepared::{Axis, FIRST_AXIS};
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -140,7 +140,7 @@ pub fn open(
         }
         "simulated" => {
             let scene: Py<PyScene> = given.as_any().get_item("scene")?.extract()?;
-            let device = SimulatedDevice::of(scene.get().scene(), clock);
+            let device = SimulatedDevice::new(scene.get().scene(), clock);
             let device = device.map_err(|error| wrong_on_bench(&error))?;
             (Box::new(device), along(FIRST_AXIS)?)
         }
@@ -163,8 +163,8 @@ pub fn open(
         }
         "simulated-in-world" | "pointer-in-world" => {
             return Err(refused(
-                "device is of a World, and a Renderer renders one contact; render a World on it, or take a Pointer or a \
-                 Simulated of a Scene",
+                "device is for a World, but a Renderer renders one contact; use a World, or a Pointer or a Simulated \
+                 of a Scene",
             ));
         }
         other => return Err(refused(format!("there is no device \"{other}\""))),
@@ -212,7 +212,7 @@ impl Placed {
     fn axis(&self, device: &Capabilities, usual: Axis) -> PyResult<AlongAxis<f64, 3>> {
         if self.world_axes.is_some() {
             return Err(refused(
-                "world_axes is for a World; the contact of a Renderer lies along normal",
+                "world_axes is for a World; for a Renderer, give normal",
             ));
         }
         palpate_haply::prepared::axis(

@@ -84,7 +84,7 @@ impl Ended {
         };
         let failure = match (end.ending, &end.panic) {
             (_, Some(words)) => Some(format!(
-                "the loop panicked, and no force was commanded: {words}"
+                "the loop panicked and commanded zero force: {words}"
             )),
             (Ending::DeviceLost, None) => Some(match device {
                 Some(name) => format!("the device {name} is gone"),
@@ -126,7 +126,7 @@ impl Ended {
                     None => "the device".to_owned(),
                 };
                 self.fails(format!(
-                    "{which} could not be let go of as it should: {why}; switch its motors off"
+                    "the output of {which} could not be disabled: {why}; switch its motors off"
                 ));
             }
         }

@@ -202,7 +202,7 @@ pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard)
                     let numbered = (0..).zip(contacts);
                     let contacts = numbered.map(|(contact, own)| ContactTick { contact, ..own });
                     let contacts: Vec<_> = contacts.collect();
-                    let rows = Row::of(tick, &contacts);
+                    let rows = Row::new(tick, &contacts);
                     let words = rows.flat_map(|row| {
                         let values = columns().iter();
                         values.map(move |column| word(column.value(&row)))

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, Vector};
-use palpate_haply::prepared::{WorldPlaceError, world_frame};
 use palpate_haply::inverse3::Inverse3;
+use palpate_haply::prepared::{WorldPlaceError, world_frame};
 use palpate_rt::{OnDevice, RenderedWorld, WorldAxis, WorldFrame};
 use palpate_scene::world::{WorldActuator, WorldDevice};
 use palpate_session::NotRendered;
@@ -152,7 +152,8 @@ pub fn open(
             let options = device_given.options(period);
             let device = py.detach(|| Inverse3::open(&options, clock));
             let device = device.map_err(|error| PyOSError::new_err(error.to_string()))?;
-            let which = palpate_haply::prepared::inverse3::identity(&options.service, device.device_id());
+            let which =
+                palpate_haply::prepared::inverse3::identity(&options.service, device.device_id());
             identity = Some(which);
             let usual = device.opened_at();
             let frame = standing.frame(device.capabilities(), Some(usual), own.position)?;
@@ -221,7 +222,7 @@ impl Standing {
     fn check(&self) -> PyResult<()> {
         if self.normal.is_some() {
             return Err(refused(
-                "normal is for a Renderer; how a device stands in a World is said by world_axes",
+                "normal is for a Renderer; for a World, give world_axes",
             ));
         }
         Ok(())
@@ -255,7 +256,7 @@ fn axes(words: &[String]) -> PyResult<Vec<WorldAxis>> {
         let number = ["x", "y", "z"].iter().position(|name| *name == letter);
         let along = WorldAxis::along(number.ok_or_else(|| {
             refused(format!(
-                "world_axes names \"{word}\", but must name x, y and z, with - where the device's axis points the other way"
+                "world_axes names \"{word}\", but must name x, y and z, with - for a reversed axis"
             ))
         })?);
         Ok(if letter == word {

@@ -135,7 +135,7 @@ impl LowRateSimulator {
         let End { own, heard } = taken(&mut end)?;
         if heard.is_closed() {
             return Err(PyRuntimeError::new_err(
-                "the Loop of the LowRateSimulator has ended, and renders nothing more",
+                "the Loop of the LowRateSimulator has ended",
             ));
         }
         own.publish(tick, &bodies, &contacts)
@@ -249,7 +249,7 @@ fn finite(limit: f64) -> Option<f64> {
 
 fn taken(end: &mut Option<End>) -> PyResult<&mut End> {
     end.as_mut().ok_or_else(|| {
-        PyRuntimeError::new_err("the LowRateSimulator is in no Loop; make one with it first")
+        PyRuntimeError::new_err("the LowRateSimulator is not in a Loop; make a Loop with it first")
     })
 }
 
@@ -280,8 +280,8 @@ fn local(given: GivenContact) -> LocalContact {
 
 fn in_words(refusal: ModelRefusal) -> &'static str {
     match refusal {
-        ModelRefusal::NotYet => "of a tick that has not been",
-        ModelRefusal::OutOfOrder => "of a tick before that of the model before",
+        ModelRefusal::NotYet => "its tick is in the future",
+        ModelRefusal::OutOfOrder => "its tick is before that of the previous model",
         ModelRefusal::TooOld => "older than stale_after",
         ModelRefusal::OtherRoom => "of another host",
     }

@@ -207,7 +207,7 @@ impl RealTimeLoop {
             } = *made;
             let heard = Arc::clone(&self.heard);
             let no_thread = |error: std::io::Error| {
-                PyOSError::new_err(format!("no thread for the loop: {error}"))
+                PyOSError::new_err(format!("cannot start the thread of the loop: {error}"))
             };
             let ears = std::thread::Builder::new()
                 .name("palpate listener".to_owned())
@@ -359,7 +359,7 @@ impl RealTimeLoop {
             return Ok(());
         }
         Err(PyRuntimeError::new_err(format!(
-            "the loop runs in process {}, and this process was forked off it: make the Loop in the process that uses it",
+            "the loop runs in process {}, but this process was forked off it: make a Loop in this process",
             self.process
         )))
     }
@@ -396,7 +396,7 @@ impl RealTimeLoop {
                 ended.closes(recorder, &closed, &self.names);
                 if is_deaf {
                     ended.fails(
-                        "the thread that listens to the loop ended by a fault of palpate".into(),
+                        "the listener thread of the loop panicked, a defect in palpate".into(),
                     );
                 }
                 Box::new(ended)

@@ -65,7 +65,7 @@ pub fn prepare_contact(
 ) -> PyResult<Prepared> {
     let [device] = devices else {
         return Err(refused(format!(
-            "{} devices; a Renderer renders one contact on one device, and a World runs on several",
+            "{} devices are given; a Renderer runs on one device, a World on several",
             devices.len()
         )));
     };
@@ -119,7 +119,7 @@ pub fn prepare_world(
     let silence = options.patient(SafetyParams::default()).stall_after(period);
     if scene.devices.len() != devices.len() {
         return Err(refused(format!(
-            "{} for a world of {}; a world runs on a device for each of its own",
+            "{} for a world of {}; give one device for each device of the world",
             counted(devices.len()),
             counted(scene.devices.len())
         )));
@@ -140,7 +140,7 @@ pub fn prepare_world(
         let is_the_same = |before: &Option<String>| before.is_some() && *before == identity;
         if let Some(before) = identities.iter().position(is_the_same) {
             return Err(refused(format!(
-                "{} and {} are one device, {}; each needs a device of its own",
+                "{} and {} are one device, {}; each needs a separate device",
                 on[before].name,
                 tool.name,
                 identity.unwrap_or_default()
@@ -202,7 +202,7 @@ pub fn prepare_low_rate_simulator(
 ) -> PyResult<Prepared> {
     let [device] = devices else {
         return Err(refused(format!(
-            "{} devices; a LowRateSimulator has one tool",
+            "{} devices are given; a LowRateSimulator runs on one device",
             devices.len()
         )));
     };

@@ -71,7 +71,7 @@ pub fn two_diy(
         }
         Some([]) => {
             return Err(refused(
-                "sys.executable names no Python to run the watchdog; watchdog=False goes without one",
+                "sys.executable is not set, so the watchdog cannot start; watchdog=False disables it",
             ));
         }
     };
@@ -96,13 +96,13 @@ fn not_opened(error: OpenError) -> PyErr {
     match error {
         OpenError::StartPose(error) => refused(format!("start_pose: {error}")),
         OpenError::Port(error @ PortError::NoneLikely) => {
-            PyOSError::new_err(format!("{error}, port names one"))
+            PyOSError::new_err(format!("{error}; name one with port"))
         }
         OpenError::Port(error @ PortError::SeveralLikely(_)) => {
-            refused(format!("{error}; port names one"))
+            refused(format!("{error}; name one with port"))
         }
         OpenError::Watchdog(_) => {
-            PyOSError::new_err(format!("{error}; watchdog=False goes without one"))
+            PyOSError::new_err(format!("{error}; watchdog=False disables the watchdog"))
         }
         OpenError::Port(_) | OpenError::Device(_) => PyOSError::new_err(error.to_string()),
     }

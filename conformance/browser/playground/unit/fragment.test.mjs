@@ -47,5 +47,5 @@ test("what is not understood is said, with its name, and the rest counts", () =>
   assert.deepEqual(settings.methods, START.methods);
   assert.equal(faults.length, 4);
   assert.match(faults[0], /stiffness_n_per_m is “soft”/);
-  assert.match(faults[1], /“colour” is no setting/);
+  assert.match(faults[1], /“colour” is not a setting/);
 });

@@ -58,7 +58,7 @@ impl ReplayFlags {
         .find_map(|(flag, value)| value.map(|_| flag));
         of_a_hand.map_or(Ok(()), |flag| {
             Err(Failure::Arguments(format!(
-                "{flag} is for --replay hand; a motion is replayed as it was"
+                "{flag} is for --replay hand; motion replay has no hand model"
             )))
         })
     }

@@ -56,7 +56,7 @@ pub fn run(arguments: &BenchArguments) -> Result<(), Failure> {
         let clock = MonotonicClock::new().with_spin(spin);
         let request = request(&arguments.realtime);
         let measured = measure(&clock, request, *rate, arguments.duration)?;
-        all.push(BenchReport::of(measured));
+        all.push(BenchReport::new(measured));
         progress.advance();
     }
     drop(progress);

@@ -67,7 +67,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
         // Damage to the recording can be the reason.
         let _ = whole_or_said(&recording);
         return Err(Failure::input(format_args!(
-            "{}: the recording has no tick, so there is no table",
+            "{}: the recording has no ticks, so no table is written",
             path.display()
         )));
     }
@@ -99,20 +99,20 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
         }
         if recording.has_bodies {
             crate::failure::tell(format_args!(
-                "{}: the bodies of the world left out; they go to a file beside --out FILE",
+                "{}: world bodies omitted; with --out FILE, a file beside it contains them",
                 path.display()
             ));
         }
         if recording.devices > 1 {
             crate::failure::tell(format_args!(
-                "{}: what is said of each of {} devices left out; it goes to a file beside --out FILE",
+                "{}: values of each of {} devices omitted; with --out FILE, a file beside it contains them",
                 path.display(),
                 recording.devices
             ));
         }
         if recording.events > 0 {
             crate::failure::tell(format_args!(
-                "{}: {} left out; they go to a file beside --out FILE",
+                "{}: {} omitted; with --out FILE, a file beside it contains them",
                 path.display(),
                 counted(recording.events, "event")
             ));

@@ -32,12 +32,11 @@ pub struct DevicesArguments {
 pub enum What {
     /// Check that each motor turns its own joint in the right direction: the arm MOVES
     #[command(long_about = "\
-Look whether each motor turns its own joint, the right way.
+Check that each motor turns its own joint in the right direction.
 
-The arm has to be in its start pose, with nobody holding it. Each motor gets a short pulse of 0.03 N m \
-forwards and one backwards, a quarter of what it can give: the arm MOVES, by a few degrees. So it is \
-only done with --move. In the end no torque is commanded, nor after ctrl-C, SIGTERM or SIGHUP, which \
-end it with exit code 130.")]
+Put the arm into its start pose and release it. Each motor gets a short pulse of 0.03 N m forwards and one \
+backwards, a quarter of its maximum torque. The arm MOVES by a few degrees, so the check requires --move. At \
+the end the torque is 0. The same holds after ctrl-C, SIGTERM or SIGHUP, which end the check with exit code 130.")]
     Check(CheckArguments),
 }
 
@@ -75,7 +74,7 @@ pub fn run(arguments: &DevicesArguments) -> Result<(), Failure> {
 }
 
 fn list(arguments: &DevicesArguments) -> Result<(), Failure> {
-    let list = DeviceList::of(&arguments.service).map_err(Failure::System)?;
+    let list = DeviceList::new(&arguments.service).map_err(Failure::System)?;
     print_report(&list, arguments.json)
 }
 
@@ -91,14 +90,13 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
 
     if !arguments.may_move {
         return Err(Failure::Arguments(
-            "this moves the arm by a few degrees: put it into its start pose, let go of it, and say \
-             --move"
+            "this moves the arm by a few degrees: put it into its start pose, release it, and pass --move"
                 .into(),
         ));
     }
     // Before the motors are on: a signal that ended the program would leave a torque on.
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let stop = StopFlag::on_signals()
+        .map_err(|error| Failure::System(format!("cannot handle signals: {error}")))?;
     // A slow response is harmless here.
     let period = Duration::from_millis(20);
     let guarding = Guarding::new(2 * period);
@@ -112,9 +110,9 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         Err(unchecked) => {
             device.close().map_err(failed)?;
             return Err(match unchecked {
-                Unchecked::Stopped => Failure::Interrupted(format!(
-                    "{unchecked}; the board has answered that it holds no torque"
-                )),
+                Unchecked::Stopped => {
+                    Failure::Interrupted(format!("{unchecked}; the board confirmed zero torque"))
+                }
                 Unchecked::Device(error) => failed(error),
             });
         }
@@ -143,7 +141,9 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     if is_fine {
         Ok(())
     } else {
-        Err(Failure::System("a motor does not do what it should".into()))
+        Err(Failure::System(
+            "a motor does not turn its joint as expected".into(),
+        ))
     }
 }
 

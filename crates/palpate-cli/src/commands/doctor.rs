@@ -27,13 +27,17 @@ pub struct DoctorArguments {
 /// Queries the machine, and tries a loop.
 pub fn run(arguments: &DoctorArguments) -> Result<(), Failure> {
     let progress = Progress::new(1);
-    progress.begin("asking the machine, trying a loop");
+    progress.begin("querying the machine, running a loop");
     let request = request(&arguments.realtime);
     // On a separate thread, because granted properties stay with the requesting thread.
     let answers = std::thread::Builder::new()
         .spawn(move || request.ask())
-        .and_then(|thread| thread.join().map_err(|_| io::Error::other("it panicked")))
-        .map_err(|error| Failure::System(format!("a thread to ask with: {error}")))?;
+        .and_then(|thread| {
+            thread
+                .join()
+                .map_err(|_| io::Error::other("the thread panicked"))
+        })
+        .map_err(|error| Failure::System(format!("cannot query the machine: {error}")))?;
     let spin = duration("--spin", arguments.realtime.spin)?;
     let clock = MonotonicClock::new().with_spin(spin);
     let measured = measure(&clock, request, RATE, SECONDS)?;

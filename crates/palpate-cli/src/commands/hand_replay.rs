@@ -54,7 +54,7 @@ pub fn close_loop(
 /// Shows the progress of a replay.
 pub fn tell_step(progress: &Progress) -> impl FnMut(HandReplayStep) {
     |step| match step {
-        HandReplayStep::Hand => progress.begin("the hand's force"),
+        HandReplayStep::Hand => progress.begin("hand force"),
         HandReplayStep::Ideal => progress.begin("ideal"),
         HandReplayStep::Method(method) => progress.begin(method.name()),
         HandReplayStep::Done => progress.advance(),
@@ -79,7 +79,7 @@ pub fn warn_beyond_reach(beyond: &[(MethodName, f64)]) {
     for (method, departure) in beyond {
         tell(format_args!(
             "warning: {method}: the device leaves the recorded motion by {} m, farther than an arm reaches \
-             ({REACH} m); what stands in its row is no answer of a hand",
+             ({REACH} m); the values in its row are not those of a hand",
             digits(*departure)
         ));
     }
@@ -88,10 +88,9 @@ pub fn warn_beyond_reach(beyond: &[(MethodName, f64)]) {
 /// Rejects a replay in which even the ideal device leaves the reach of a hand.
 fn out_of_reach(name: &str, model: &HandModel, departure: f64) -> Failure {
     Failure::Arguments(format!(
-        "{name}: held by a hand of {} N/m and {} N s/m, the device would leave the recorded motion by {} m \
-         under the new force, even were that ideal, and no arm reaches farther than {REACH} m; allowed: a \
-         hand that holds on (--hand-stiffness {} --hand-damping {} unless you say otherwise), and contact, \
-         weight and --device-mass that it can hold",
+        "{name}: held by a hand of {} N/m and {} N s/m, the device leaves the recorded motion by {} m even under the \
+         ideal force, farther than an arm reaches ({REACH} m); use a stiffer hand (default: --hand-stiffness {} \
+         --hand-damping {}), or a contact, weight and --device-mass that it can hold",
         model.stiffness,
         model.damping,
         digits(departure),

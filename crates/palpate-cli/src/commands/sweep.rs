@@ -22,7 +22,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         (None, None, Quantity::Damping) => MethodName::ALL
             .into_iter()
             .filter(|method| tunable(*method).is_some())
-            .map(Column::of)
+            .map(Column::new)
             .collect(),
         _ => compared.columns()?,
     };

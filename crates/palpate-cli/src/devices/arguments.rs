@@ -125,16 +125,14 @@ impl DeviceArguments {
     pub fn check(&self) -> Result<(), Failure> {
         let [Choice::Kind(device)] = self.device[..] else {
             return Err(Failure::Arguments(
-                "--device: one device, by its kind alone, is what this takes; several, as NAME=DEVICE, are for `palpate run`, \
+                "--device: this command takes one device, by its kind; several, as NAME=DEVICE, are for `palpate run`, \
                  `record` and `live` of a world with several"
                     .into(),
             ));
         };
         self.inverse3.check(device)?;
         if self.motion.is_some() && device != DeviceName::Replay {
-            return Err(Failure::Arguments(
-                "--motion is the motion of --device replay".into(),
-            ));
+            return Err(Failure::Arguments("--motion is for --device replay".into()));
         }
         if let (Some(flag), None) = (self.table.given(), &self.motion) {
             return Err(Failure::Arguments(format!(
@@ -143,7 +141,7 @@ impl DeviceArguments {
         }
         if self.part.is_given() && self.motion.is_none() {
             return Err(Failure::Arguments(
-                "--from and --to name a part of the --motion of --device replay".into(),
+                "--from and --to select a part of --motion, which is missing".into(),
             ));
         }
         let of_the_2diy = [
@@ -157,15 +155,14 @@ impl DeviceArguments {
         let goes = matches!(device, DeviceName::Haply2diy | DeviceName::Inverse3);
         if self.reconnect && !goes {
             return Err(Failure::Arguments(
-                "--reconnect is for devices that can go: haply-2diy and inverse3".into(),
+                "--reconnect is for devices that can be lost: haply-2diy and inverse3".into(),
             ));
         }
         let is_promised = self.reconnect_in_start_pose || std::io::stdin().is_terminal();
         if self.reconnect && device == DeviceName::Haply2diy && !is_promised {
             return Err(Failure::Arguments(
-                "--reconnect: a 2DIY counts from where its arm is when it is opened anew, and \
-                 without a terminal nobody can press enter when that is its start pose; \
-                 --reconnect-in-start-pose promises that it always is"
+                "--reconnect: a reopened 2DIY counts from its present pose, and without a terminal, enter cannot \
+                 confirm its start pose; --reconnect-in-start-pose promises that the arm is always there"
                     .into(),
             ));
         }
@@ -268,7 +265,7 @@ impl TypedValueParser for ChoiceParser {
         };
         if name.trim().is_empty() || words.trim().is_empty() {
             return Err(refused(
-                "NAME=DEVICE FLAGS is what can stand here, such as \"left=inverse3 --device-id 049D\"",
+                "NAME=DEVICE FLAGS is needed, such as \"left=inverse3 --device-id 049D\"",
             ));
         }
         let words = ["--device"].into_iter().chain(words.split_whitespace());
@@ -279,7 +276,7 @@ impl TypedValueParser for ChoiceParser {
         })?;
         if !matches!(behind.arguments.device[..], [Choice::Kind(_)]) {
             return Err(refused(
-                "one device can stand behind a name, without a name of its own",
+                "a name takes one device, which has no name of its own",
             ));
         }
         Ok(Choice::Of {

@@ -2,9 +2,9 @@
 
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector};
+use palpate_haply::inverse3::{ConnectError, Inverse3, Inverse3Options, OpenError, Pace, SERVICE};
 use palpate_haply::prepared::inverse3::{Overheard, identity};
 use palpate_haply::prepared::{FIRST_AXIS, Reopen};
-use palpate_haply::inverse3::{ConnectError, Inverse3, Inverse3Options, OpenError, Pace, SERVICE};
 
 use super::arguments::Inverse3Arguments;
 use super::{DeviceArguments, reconnecting};
@@ -35,7 +35,7 @@ pub fn open<C: Clock>(
 ) -> Result<(Box<dyn Device>, Vector, String), Failure> {
     if !C::RUNS {
         return Err(Failure::Arguments(
-            "--fast is for devices without a motor: this one keeps its own time".into(),
+            "--fast is for devices without a motor; this one runs in real time".into(),
         ));
     }
     let mut options = arguments.inverse3.options();
@@ -45,14 +45,14 @@ pub fn open<C: Clock>(
     options.device_id = Some(device.device_id().to_owned());
     let round_trip = device.round_trip().as_secs_f64();
     tell(format_args!(
-        "Inverse3 {}: an exchange with its service takes {:.2} ms",
+        "Inverse3 {}: the round trip to its service takes {:.2} ms",
         device.device_id(),
         round_trip * 1e3
     ));
     if round_trip > period {
         tell(format_args!(
-            "warning: that is longer than the period of {:.2} ms: some ticks will find no sample, \
-             and from twice the period on the force will go; --period {} suits",
+            "warning: that exceeds the period of {:.2} ms: some ticks will have no sample, and from twice the period \
+             on there will be no force; use --period {}",
             period * 1e3,
             (round_trip * 1.5 * 1e4).ceil() / 1e4
         ));

@@ -58,13 +58,13 @@ pub fn open<C: Clock>(
     }
     let (device, usual): (Box<dyn Device>, _) = match arguments.kind() {
         DeviceName::Simulated => {
-            let device = SimulatedDevice::of(scene, clock.clone()).map_err(Failure::input)?;
+            let device = SimulatedDevice::new(scene, clock.clone()).map_err(Failure::input)?;
             (Box::new(device), FIRST_AXIS)
         }
         DeviceName::Null => (Box::new(NullDevice::new(clock.clone())), FIRST_AXIS),
         DeviceName::Replay => (replayed::open(arguments, clock)?, FIRST_AXIS),
         DeviceName::Pointer => {
-            let params = PointerParams::of(scene);
+            let params = PointerParams::new(scene);
             let hand = PointerHand::at(params.position);
             let device =
                 PointerDevice::new(params, &hand, clock.clone()).map_err(Failure::input)?;
@@ -173,7 +173,7 @@ fn open_two_diy<C: Clock>(
 ) -> Result<(Box<dyn Device>, Axis, String), Failure> {
     if !C::RUNS {
         return Err(Failure::Arguments(
-            "--fast is for devices without a motor: this one keeps its own time".into(),
+            "--fast is for devices without a motor; this one runs in real time".into(),
         ));
     }
     let period = duration("--period", period_seconds)?;
@@ -187,8 +187,8 @@ fn open_two_diy<C: Clock>(
     let device = two_diy::open(&setup, period, clock, guarding)?;
     let [first, second] = device.angles();
     tell(format_args!(
-        "{}: it counts from here as {first:.1},{second:.1} degrees; if the arm was not in its start \
-         pose, forces point in wrong directions",
+        "{}: the present pose counts as {first:.1},{second:.1} degrees; if the arm was not in its start pose, forces \
+         point in wrong directions",
         device.capabilities().name
     ));
     let device = two_diy::watched(device, !arguments.reconnect);
@@ -209,7 +209,7 @@ fn open_two_diy<C: Clock>(
 fn reconnecting(device: Box<dyn Device>, reopen: Reopen) -> Result<Box<dyn Device>, Failure> {
     Reconnecting::new(device, reopen, |words| tell(words))
         .map(|device| Box::new(device) as Box<dyn Device>)
-        .map_err(|error| Failure::System(format!("no thread to reopen with: {error}")))
+        .map_err(|error| Failure::System(format!("cannot start the reconnecting thread: {error}")))
 }
 
 #[cfg(not(unix))]

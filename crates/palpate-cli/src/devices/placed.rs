@@ -16,7 +16,8 @@ pub fn axis(
 ) -> Result<AlongAxis<f64, 3>, Failure> {
     let origin = arguments.origin.as_ref().map(|place| &place.0[..]);
     let normal = arguments.normal.as_ref().map(|place| &place.0[..]);
-    palpate_haply::prepared::axis(origin, normal, device, usual).map_err(|error| refused(arguments, &error))
+    palpate_haply::prepared::axis(origin, normal, device, usual)
+        .map_err(|error| refused(arguments, &error))
 }
 
 /// Returns the frame of a device in a world whose tool starts at `place` `[m]`. The `usual` position of the device, or
@@ -29,8 +30,13 @@ pub fn frame(
 ) -> Result<WorldFrame, Failure> {
     let origin = arguments.origin.as_ref().map(|place| &place.0[..]);
     let axes = arguments.world_axes.as_ref();
-    let frame =
-        palpate_haply::prepared::world_frame(origin, axes.map(|axes| &axes.0[..]), device, usual, place);
+    let frame = palpate_haply::prepared::world_frame(
+        origin,
+        axes.map(|axes| &axes.0[..]),
+        device,
+        usual,
+        place,
+    );
     frame.map_err(|error| match error {
         WorldPlaceError::Origin(error) => refused(arguments, &error),
         WorldPlaceError::Axes { .. } => Failure::Arguments(match axes {

@@ -53,7 +53,7 @@ fn motion(path: &Path, part: &Part, table: &TraceFlags) -> Result<(Vec<f64>, Vec
                 "{flag} is for a trace; a recording has its own columns, in seconds and metres"
             )));
         }
-        let ticks = Ticks::of(&open_recording(path)?, part).map_err(Failure::input)?;
+        let ticks = Ticks::new(&open_recording(path)?, part).map_err(Failure::input)?;
         let curves = ticks.curves;
         return Ok((curves.time, curves.device_position));
     }

@@ -55,7 +55,7 @@ pub fn open_for_world<C: Clock>(
             |before: &OpenedInWorld| before.identity.is_some() && before.identity == next.identity;
         if let Some(before) = opened.iter().position(is_the_same) {
             return Err(Failure::Arguments(format!(
-                "--device: {} and {} are one device, {}; allowed: a device of its own for each",
+                "--device: {} and {} are the same device, {}; give a separate device for each",
                 names[before],
                 name,
                 next.identity.unwrap_or_default()
@@ -88,38 +88,38 @@ fn each<'a>(
     let names = names(scene);
     let refused = |why: String| {
         Failure::Arguments(format!(
-            "--device: {why}; the world has {}, and allowed is --device \"NAME=DEVICE FLAGS\" once for each, or simulated \
-             or pointer for all",
+            "--device: {why}; the world has {}: give --device \"NAME=DEVICE FLAGS\" once for each, or simulated or \
+             pointer for all",
             listed(&names)
         ))
     };
     if let [Choice::Kind(kind)] = arguments.device[..] {
         let is_for_all = matches!(kind, DeviceName::Simulated | DeviceName::Pointer);
         if names.len() > 1 && !is_for_all {
-            return Err(refused("one device is named for all".into()));
+            return Err(refused("one device is given for all".into()));
         }
         return Ok(scene.devices.iter().map(|own| (own, arguments)).collect());
     }
     if let Some(flag) = given.one_of(&FLAGS_OF_A_DEVICE) {
         return Err(refused(format!(
-            "{flag} stands alone, and belongs behind the name of its device, within the quotes"
+            "{flag} must follow the name of its device, within the quotes"
         )));
     }
     let mut found: Vec<Option<&DeviceArguments>> = vec![None; names.len()];
     for choice in &arguments.device {
         let Choice::Of { name, arguments } = choice else {
-            return Err(refused("a device has no name".into()));
+            return Err(refused("a device without a name".into()));
         };
         let Some(place) = names.iter().position(|own| own == name) else {
             return Err(refused(format!("no device is called {name}")));
         };
         if found[place].replace(arguments).is_some() {
-            return Err(refused(format!("{name} stands twice")));
+            return Err(refused(format!("{name} is assigned twice")));
         }
     }
     let missing = names.iter().zip(&found).find(|(_, found)| found.is_none());
     if let Some((name, _)) = missing {
-        return Err(refused(format!("{name} is not named")));
+        return Err(refused(format!("{name} is not assigned")));
     }
     let devices = scene.devices.iter().zip(found);
     Ok(devices

@@ -69,9 +69,7 @@ fn refused(error: OpenError) -> Failure {
         OpenError::StartPose(error) => Failure::Arguments(format!("--start-pose: {error}")),
         OpenError::Port(error) => no_port(error),
         OpenError::Device(_) => Failure::System(error.to_string()),
-        OpenError::Watchdog(_) => {
-            Failure::System(format!("{error}; --watchdog off goes without one"))
-        }
+        OpenError::Watchdog(_) => Failure::System(format!("{error}; --watchdog off disables it")),
     }
 }
 
@@ -79,8 +77,8 @@ fn refused(error: OpenError) -> Failure {
 pub fn no_port(error: PortError) -> Failure {
     match error {
         PortError::System(_) => Failure::System(error.to_string()),
-        PortError::NoneLikely => Failure::System(format!("{error}, --port names one")),
-        PortError::SeveralLikely(_) => Failure::Arguments(format!("{error}; --port names one")),
+        PortError::NoneLikely => Failure::System(format!("{error}; name one with --port")),
+        PortError::SeveralLikely(_) => Failure::Arguments(format!("{error}; name one with --port")),
     }
 }
 
@@ -100,11 +98,11 @@ pub fn reopen<C: Clock>(
     Box::new(move || {
         let path = setup.port().map_err(|error| no_port(error).message())?;
         if !path.exists() {
-            return Err(format!("{}: not there", path.display()));
+            return Err(format!("{}: not found", path.display()));
         }
         if is_promised {
             tell(format_args!(
-                "{} is there: hold the arm still in its start pose, it counts from there in {} s",
+                "{} is back: hold the arm still in its start pose; it counts from there in {} s",
                 path.display(),
                 TO_START_POSE.as_secs()
             ));
@@ -114,15 +112,19 @@ pub fn reopen<C: Clock>(
                 // Discard earlier input, which says nothing about the arm's present pose.
                 let _ = tcflush(stdin(), QueueSelector::IFlush);
                 tell(format_args!(
-                    "{} is there, and no force: bring the arm into its start pose, hold it still, \
-                     press enter; elsewhere forces point in wrong directions",
+                    "{} is back, without force: move the arm into its start pose, hold it still, press enter; in \
+                     another pose forces point in wrong directions",
                     path.display()
                 ));
                 is_asked = true;
             }
             match stdin().read_line(&mut String::new()) {
                 Ok(1..) => is_asked = false,
-                _ => return Err("nobody can press enter any more".into()),
+                _ => {
+                    return Err(
+                        "standard input has ended, so enter cannot confirm the start pose".into(),
+                    );
+                }
             }
         }
         let opened = open(&setup, period, &clock, guarding.as_ref());
@@ -136,7 +138,7 @@ pub fn watched<C: Clock>(device: TwoDiy<C>, says_gone: bool) -> Box<dyn Device> 
     Box::new(DisableOutput::new(device, move |not| {
         if says_gone || !not.was_gone {
             tell(format_args!(
-                "warning: the 2DIY could not be let go of as it should: {}; switch its motors off",
+                "warning: the output of the 2DIY could not be disabled: {}; switch its motors off",
                 not.error
             ));
         }

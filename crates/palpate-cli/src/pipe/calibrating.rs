@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::Builder;
 use std::time::Duration;
 
-use palpate_study::calibrate::{ExcitationError, ExcitationParams, Phase, Stop};
 use palpate_rt::StopFlag;
+use palpate_study::calibrate::{ExcitationError, ExcitationParams, Phase, Stop};
 use palpate_study::calibration::ExcitedMotion;
 
 use crate::pipe::last_line::{self, LastLineUnread};
@@ -64,12 +64,12 @@ pub enum CalibratingError {
     Stopped(Stop),
     /// A signal ended the calibration.
     #[error(
-        "stopped by a signal before the end: no calibration; the last line takes the force off"
+        "stopped by a signal before the end: no calibration; the last line sets the force to 0"
     )]
     Signalled,
     /// The thread that answered panicked; the force is off.
     #[error(
-        "a line could not be answered for a fault of the program; the last line takes the force off"
+        "a line could not be answered because of a program fault; the last line sets the force to 0"
     )]
     Panicked,
     /// The reader did not read the last line.
@@ -196,10 +196,7 @@ impl Stream {
         let (time, position) = match self.format.parse(text) {
             Ok(Line::Sample { time, position }) => (time, position),
             Ok(Line::Set(_)) => {
-                return Err(refused(
-                    number,
-                    "nothing can be changed during a calibration",
-                ));
+                return Err(refused(number, "`set` is not allowed during a calibration"));
             }
             // The fit would take a lost sample for a motion of one period.
             Err(Refusal::Line(why) | Refusal::Stream(why)) => return Err(refused(number, &why)),

@@ -42,13 +42,13 @@ impl TryFrom<&[&str]> for Change {
     /// Parses the words after `set`.
     fn try_from(words: &[&str]) -> Result<Self, String> {
         if words.is_empty() {
-            return Err(format!("nothing is set; {}", allowed()));
+            return Err(format!("`set` has no values; {}", allowed()));
         }
         let mut change = Self::default();
         for word in words {
             let Some((name, text)) = word.split_once('=') else {
                 return Err(format!(
-                    "\"{}\" is no NAME=VALUE; {}",
+                    "\"{}\" is not NAME=VALUE; {}",
                     word.escape_debug(),
                     allowed()
                 ));
@@ -62,7 +62,7 @@ impl TryFrom<&[&str]> for Change {
                         .map(|near| format!("did you mean {near}? "))
                         .unwrap_or_default();
                     let name = name.escape_debug();
-                    return Err(format!("nothing is called \"{name}\"; {near}{}", allowed()));
+                    return Err(format!("unknown name \"{name}\"; {near}{}", allowed()));
                 }
             };
             if value.is_some() {
@@ -80,7 +80,7 @@ impl TryFrom<&[&str]> for Change {
 }
 
 fn allowed() -> String {
-    format!("a change is `set NAME=VALUE ...` of {}", NAMES.join(", "))
+    format!("allowed: `set NAME=VALUE ...` of {}", NAMES.join(", "))
 }
 
 /// Current rendering of the pipe, for changing it.
@@ -194,8 +194,8 @@ mod tests {
     #[test]
     fn what_cannot_be_set_is_answered_by_what_can() {
         for (text, said) in [
-            ("", "nothing is set"),
-            ("stiffness_n_per_m", "no NAME=VALUE"),
+            ("", "`set` has no values"),
+            ("stiffness_n_per_m", "not NAME=VALUE"),
             ("stiffness=800", "did you mean stiffness_n_per_m?"),
             ("colour=3", "stiffness_n_per_m, mass_kg, virtual_force_n"),
             ("mass_kg=1 mass_kg=2", "set twice"),

@@ -26,7 +26,7 @@ const OF_ROW: [(&str, Option<&str>); 15] = [
     ("object_position_m", None),
     ("object_velocity_m_per_s", None),
     ("penetration_m", None),
-    ("object_shift_m", None),
+    ("placement_shift_m", None),
     ("phase", None),
     ("stored_energy_j", None),
     ("port_work_j", None),
@@ -85,7 +85,7 @@ pub fn columns(text: &str) -> Result<Columns, String> {
                 .map(|near| format!("did you mean \"{near}\"? "))
                 .unwrap_or_default();
             return Err(format!(
-                "no column is called \"{name}\"; {nearest}the columns are {}",
+                "unknown column \"{name}\"; {nearest}the columns are {}",
                 all.join(", ")
             ));
         };

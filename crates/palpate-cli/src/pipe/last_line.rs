@@ -19,8 +19,7 @@ const LONGEST_WAIT: Duration = Duration::from_secs(1);
 /// The reader did not read the last line, so the motor may hold its last force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "standard output was not read for {} s, so the last line, which takes the force off, could not be \
-     written",
+    "standard output was not read for {} s; the last line, which sets the force to 0, could not be written",
     LONGEST_WAIT.as_secs()
 )]
 pub struct LastLineUnread;

@@ -73,15 +73,12 @@ impl Format {
         };
         let Some(named) = unit else {
             return Err(
-                "the first line names other columns than `position_m` or `t_s,position_m`; in place \
-                 of m may stand cm, mm or um"
+                "unknown columns in the header; allowed: `position_m` or `t_s,position_m`, with m, cm, mm or um"
                     .into(),
             );
         };
         if self.time && !time {
-            return Err(
-                "the header names a position alone, and --time asks for `t_s,position_m`".into(),
-            );
+            return Err("the header has a position only; --time requires `t_s,position_m`".into());
         }
         // A column called position_m may hold another unit, set by the flag.
         let unit = match named {
@@ -89,7 +86,7 @@ impl Format {
             _ if !self.is_unit_given || named == self.unit => named,
             _ => {
                 return Err(format!(
-                    "the header says {named}, and --unit says {}",
+                    "the header has the unit {named}, but --unit is {}",
                     self.unit
                 ));
             }
@@ -104,7 +101,7 @@ impl Format {
     pub fn parse(&self, text: &str) -> Result<Line, Refusal> {
         if text.is_empty() {
             return Err(Refusal::Line(format!(
-                "the line is empty; a line is {}",
+                "the line is empty; expected {}",
                 self.shape()
             )));
         }
@@ -133,7 +130,7 @@ impl Format {
 
     fn no_number(&self, field: &str) -> Refusal {
         Refusal::Line(format!(
-            "\"{}\" is not a number; a line is {}",
+            "\"{}\" is not a number; expected {}",
             field.escape_debug(),
             self.shape()
         ))
@@ -144,15 +141,15 @@ impl Format {
         let shape = self.shape();
         match (self.time, count) {
             (false, _) => format!(
-                "`{text}` has {count} columns, and a line is {shape}: write decimals with a point, as \
-                 in 0.001, or add --time if the lines are a time and a position"
+                "`{text}` has {count} columns; expected {shape}: write decimals with a point, as in 0.001, or add \
+                 --time if the lines contain a time and a position"
             ),
             (true, 1) => format!(
-                "`{text}` has 1 column, and with --time a line is {shape}: put the time [s] before \
-                 every position, or leave --time out"
+                "`{text}` has 1 column; with --time, expected {shape}: put the time [s] before every position, or \
+                 omit --time"
             ),
             (true, _) => format!(
-                "`{text}` has {count} columns, and with --time a line is {shape}: write decimals with \
+                "`{text}` has {count} columns; with --time, expected {shape}: write decimals with \
                  a point, as in 0.5,0.001"
             ),
         }
@@ -240,7 +237,7 @@ mod tests {
         assert_eq!(usual.unit, LengthUnit::Millimetre);
         let other = millimetres.with_header("position_cm").unwrap_err();
         assert!(
-            other.contains("says cm") && other.contains("says mm"),
+            other.contains("the unit cm") && other.contains("--unit is mm"),
             "{other}"
         );
     }

@@ -55,7 +55,7 @@ impl Messages {
         if self.left_out > 0 {
             let left_out = self.left_out;
             self.tell(format_args!(
-                "{left_out} messages are left out: nobody read standard error in time"
+                "{left_out} messages were dropped: standard error was not read in time"
             ));
         }
         self.tell(last);

@@ -33,4 +33,3 @@ pub use mistake::Mistakes;
 pub use serving::{Answering, Ended, ServeError, Stopped, answer_all};
 pub use stream::{Memory, Stream};
 pub use summary::PipeSummary;
-

@@ -74,7 +74,7 @@ pub enum ServeError {
     Thread(io::Error),
     /// The thread that answered panicked; the force is off.
     #[error(
-        "a line could not be answered for a fault of the program; the last line takes the force off"
+        "a line could not be answered because of a program fault; the last line sets the force to 0"
     )]
     Panicked,
     /// The reader did not read the last line.

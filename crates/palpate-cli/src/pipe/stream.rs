@@ -87,7 +87,7 @@ impl Stream {
                 ));
             }
             Err(why) => self.tell(format_args!(
-                "line {number}: set is refused, and nothing changes: {why}"
+                "line {number}: set is refused and has no effect: {why}"
             )),
         }
     }
@@ -159,8 +159,8 @@ impl Stream {
             self.memory.is_limited = true;
             let limit = self.safety.params().largest_force;
             self.tell(format_args!(
-                "line {number}: the contact asks for more than the limit of {limit} N; further limited \
-                 forces are counted, and the summary has their number"
+                "line {number}: the contact force exceeds the limit of {limit} N; further limited forces are only \
+                 counted in the summary"
             ));
         }
         Ok(Answer {
@@ -211,7 +211,7 @@ impl Stream {
         };
         let soft = self.safety.params().soft_start;
         let comes_in = if soft > 0.0 {
-            format!("; the force comes in over {soft} s")
+            format!("; the force ramps up over {soft} s")
         } else {
             String::new()
         };
@@ -225,7 +225,7 @@ impl Stream {
             self.tell(format_args!("line {number}: {why}; the force is 0"));
         } else if refused.is_power_of_two() {
             self.tell(format_args!(
-                "line {number}: {why}; the force is 0 (refused so far: {refused}; the next to be told is number {})",
+                "line {number}: {why}; the force is 0 (refused so far: {refused}; next message at {})",
                 refused.saturating_mul(2)
             ));
         }

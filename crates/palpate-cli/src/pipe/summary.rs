@@ -137,7 +137,7 @@ impl fmt::Display for PipeSummary {
             let milliseconds = digits(1e3 * self.learned_lateness_s.abs());
             write!(
                 f,
-                "; learned: commands begin {milliseconds} ms {than} than told"
+                "; estimated: commands begin {milliseconds} ms {than} than the model value"
             )?;
         }
         Ok(())

@@ -18,7 +18,7 @@ pub fn open(path: &Path) -> Result<Recording, Failure> {
             let part = PathBuf::from(part);
             let unfinished = if !path.exists() && part.exists() {
                 format!(
-                    "; there is an unfinished one: read {} in its place",
+                    "; an unfinished recording exists: read {} instead",
                     part.display()
                 )
             } else {

@@ -25,7 +25,7 @@ const SHORTEST_FIT: f64 = 1.0;
 /// Returns the remedy for a recording with too many periods.
 pub fn how_to_cut() -> String {
     format!(
-        "at most {MAX_PERIODS} fit, so take a part of it with --from and --to [s], or a longer --period"
+        "at most {MAX_PERIODS} are allowed: select a part with --from and --to [s], or use a longer --period"
     )
 }
 
@@ -41,7 +41,7 @@ pub fn read_trace(
         .is_some_and(|extension| extension == "mcap")
     {
         return Err(Failure::Arguments(format!(
-            "{name} is a recording: `palpate replay` takes it, and `--motion` of `run --device replay`"
+            "{name} is a recording: pass it to `palpate replay`, or to `--motion` of `run --device replay`"
         )));
     }
     let layout = flags.layout();
@@ -100,8 +100,8 @@ fn opened(path: &Path, name: &str) -> Result<File, Failure> {
 fn tell_notes(name: &str, notes: &ReadNotes) {
     if let Some(number) = &notes.unended {
         tell(format_args!(
-            "warning: {name}: the last line has no line end, so that its last number, `{number}`, may be cut off; end the \
-             file with a line end if it is whole"
+            "warning: {name}: the last line has no line end, so its last number, `{number}`, may be cut off; if it is \
+             complete, add a line end"
         ));
     }
 }
@@ -124,8 +124,8 @@ fn wrong_trace(error: TraceError) -> Failure {
         } => {
             let fits = longest * MAX_PERIODS as f64 / (MAX_PERIODS + 1) as f64;
             let message = format!(
-                "{}: the trace goes on for more than {MAX_PERIODS} periods ({} s) after its first \
-                 sample at {first} s; {}",
+                "{}: the trace continues for more than {MAX_PERIODS} periods ({} s) after its first sample at {first} \
+                 s; {}",
                 place.file(),
                 digits(fits),
                 how_to_cut()

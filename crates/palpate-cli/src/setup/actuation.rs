@@ -1,8 +1,8 @@
 //! Converts flags and a device file to the actuation of a scene and the model values of its renderer.
 
 use palpate::{Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission};
-use palpate_study::calibrate::Quantity;
 use palpate_scene::{Delay, Scene};
+use palpate_study::calibrate::Quantity;
 
 use super::device_file::DeviceFile;
 use super::wrong::{not_allowed, not_allowed_by};
@@ -117,9 +117,8 @@ impl ActuationFlags {
         }
         let missing = |parameter: &str, quantity: Quantity| {
             Failure::Arguments(format!(
-                "a flexible transmission is told by --resonance, --resonance-damping-ratio and \
-                 --flexible-mass-fraction, all three: {parameter} is missing, and neither a scene nor a device file \
-                 says {}",
+                "a flexible transmission needs --resonance, --resonance-damping-ratio and --flexible-mass-fraction: \
+                 {parameter} is missing, and neither a scene nor a device file has {}",
                 quantity.key()
             ))
         };
@@ -162,7 +161,7 @@ impl ActuationFlags {
         .find(|(_, value)| value.is_some());
         given.map_or(Ok(()), |(name, _)| {
             Err(Failure::Arguments(format!(
-                "--model-{name} is for simulate and tune; what {command} tells the renderer is --{name}"
+                "--model-{name} is for simulate and tune; the model value of {command} is --{name}"
             )))
         })
     }
@@ -286,7 +285,7 @@ fn tell_too_long(periods: f64) {
         "periods"
     };
     tell(format_args!(
-        "warning: a renderer can be told of {LARGEST_DELAY} {unit} of delay at most; it does not know the \
-         other {unknown} of these {periods}"
+        "warning: the renderer models at most {LARGEST_DELAY} {unit} of delay; the other {unknown} of these {periods} \
+         are unmodelled"
     ));
 }

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use palpate::{Contact, LARGEST_DELAY, Mass};
-use palpate_study::calibrate::{Calibration, Quantity};
 use palpate_record::files::bounded::DEVICE;
 use palpate_scene::{Model, quantum_of};
+use palpate_study::calibrate::{Calibration, Quantity};
 use palpate_study::calibrated;
 use palpate_study::text::digits;
 
@@ -55,8 +55,8 @@ pub fn warn_of_resonance(
         _ => format!("--resonance is {hertz} Hz"),
     };
     tell(format_args!(
-        "warning: {who}, which allows {} N/m with this object at a period of {period} s; \
-         at {} N/m the force can be far from the contact's, or the loop can gain energy",
+        "warning: {who}, which allows {} N/m with this object at a period of {period} s; at {} N/m the force can be \
+         wrong, or the loop can gain energy",
         digits(stiffest),
         contact.stiffness
     ));
@@ -80,8 +80,8 @@ impl DeviceFile {
             && delay > LARGEST_DELAY as f64 * period
         {
             return Err(Failure::input(format!(
-                "{name}: the delay is {delay} s, {} periods of {period} s, but a renderer can be told of \
-                 {LARGEST_DELAY} at most",
+                "{name}: the delay is {delay} s, {} periods of {period} s, but the renderer models at most \
+                 {LARGEST_DELAY}",
                 (delay / period * 1e6).round() / 1e6
             )));
         }
@@ -152,7 +152,7 @@ impl DeviceFile {
                 _ => continue,
             };
             if let Some(flag) = beside {
-                replaced.push(format!("{flag} stands in place of {}", quantity.key()));
+                replaced.push(format!("{flag} overrides {}", quantity.key()));
                 continue;
             }
             let deviation = known.standard_deviation;
@@ -160,7 +160,7 @@ impl DeviceFile {
             taken.push(format!("{} {}{deviation}", quantity.key(), known.value));
         }
         let taken = if taken.is_empty() {
-            "nothing that a renderer is told".to_owned()
+            "no model values".to_owned()
         } else {
             taken.join(", ")
         };
@@ -173,7 +173,7 @@ impl DeviceFile {
             && (found / period - 1.0).abs() > 1e-6
         {
             tell(format_args!(
-                "warning: {name} was found in a loop of {found} s, and this one has {period} s; a delay can \
+                "warning: {name} was measured at a period of {found} s, but this loop has {period} s; a delay can \
                  depend on the period"
             ));
         }

@@ -202,9 +202,8 @@ pub fn wrong_setup(error: &SetupError) -> Failure {
                 "--method hfcr"
             };
             Failure::Arguments(format!(
-                "{method} needs --device-mass <kg>: what your device weighs where it is held, above 0 \
-                 and right within a factor of 2; or --scene <SCENE.toml>, whose device has a mass; \
-                 or {without}, which needs none"
+                "{method} needs --device-mass <kg>: the mass of your device at the grip, above 0 and accurate within a \
+                 factor of 2; or --scene <SCENE.toml>, whose device has a mass; or {without}, which needs none"
             ))
         }
         SetupError::Settings(SettingsError::OnlyBeside {

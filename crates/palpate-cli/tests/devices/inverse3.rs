@@ -113,11 +113,11 @@ fn what_a_service_has_is_listed() {
     );
     drop(emulator);
     let said = folder.succeed(&format!("devices --service {url}"));
-    assert!(said.contains("nobody answers at"), "{said}");
+    assert!(said.contains("no answer from"), "{said}");
     folder.fail(
         &format!("run wall.toml --device inverse3 --service {url}"),
         1,
-        &["nobody answers at", "palpate emulate inverse3"],
+        &["no answer from", "palpate emulate inverse3"],
     );
 }
 
@@ -142,7 +142,7 @@ fn an_emulated_service_says_where_it_is_and_what_it_was_commanded() {
     let said = String::from_utf8(ended.stderr).unwrap();
     assert!(ended.status.success(), "{said}");
     assert!(
-        said.contains("at 0.1 s: the next answer comes twice"),
+        said.contains("at 0.1 s: the next answer is sent twice"),
         "{said}"
     );
     assert!(
@@ -165,7 +165,7 @@ fn what_makes_no_sense_is_refused() {
         ),
         (
             "run wall.toml --device inverse3 --service wss://localhost:1",
-            "the service speaks ws:// only",
+            "only ws:// is supported",
         ),
         ("run wall.toml --reconnect", "haply-2diy and inverse3"),
         ("emulate inverse3 --fault stall@1", "KIND=SECONDS@SECONDS"),
@@ -185,7 +185,7 @@ fn a_period_that_is_no_time_is_refused() {
         emulator.url()
     );
     for period in ["1e30", "1e300"] {
-        let words = ["--period", "is no time", "allowed: 0 to 1e19"];
+        let words = ["--period", "is out of range", "allowed: 0 to 1e19"];
         folder.fail(&format!("{run} --period {period}"), 2, &words);
     }
 }

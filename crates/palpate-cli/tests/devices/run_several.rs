@@ -123,15 +123,18 @@ fn a_device_that_is_not_named_as_it_must_be_is_refused() {
     for (devices, words) in [
         (
             &["inverse3"][..],
-            "one device is named for all; the world has left and right",
+            "one device is given for all; the world has left and right",
         ),
-        (&["left=simulated"], "right is not named"),
+        (&["left=simulated"], "right is not assigned"),
         (
             &["left=simulated", "thumb=simulated"],
             "no device is called thumb",
         ),
-        (&["left=simulated", "left=pointer"], "left stands twice"),
-        (&["left=simulated", "simulated"], "a device has no name"),
+        (
+            &["left=simulated", "left=pointer"],
+            "left is assigned twice",
+        ),
+        (&["left=simulated", "simulated"], "a device without a name"),
         (
             &["left=simulated", "right=simulated --port x"],
             "--device right=: --port is for",
@@ -146,7 +149,7 @@ fn a_device_that_is_not_named_as_it_must_be_is_refused() {
         ),
         (
             &["left=simulated", "right=left=pointer"],
-            "without a name of its own",
+            "which has no name of its own",
         ),
         (&["left="], "NAME=DEVICE FLAGS"),
         (
@@ -168,7 +171,7 @@ fn a_device_that_is_not_named_as_it_must_be_is_refused() {
     let run = "run pinch.toml --fast --duration 0.1";
     let (code, _, said) = answer(program(&folder, &format!("{run} --origin 0,0,0"), &devices));
     assert_eq!(code, 2, "{said}");
-    assert!(said.contains("--origin stands alone"), "{said}");
+    assert!(said.contains("--origin must follow the name"), "{said}");
     let (code, messages, said) = answer(program(&folder, run, &devices));
     assert_eq!(code, 0, "{said}");
     assert!(
@@ -178,7 +181,10 @@ fn a_device_that_is_not_named_as_it_must_be_is_refused() {
     // A scene of one contact rejects several devices.
     folder.write("wall.toml", experiment_text("wall"));
     let (code, _, said) = answer(program(&folder, "run wall.toml --fast", &devices));
-    assert!(code == 2 && said.contains("--device: one device"), "{said}");
+    assert!(
+        code == 2 && said.contains("--device: this command takes one device"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -205,7 +211,7 @@ fn a_page_has_several_devices_each_by_its_name() {
         let (code, _, said) = answer(command);
         assert!(code == 2 && said.contains(words), "{code}: {said}");
     };
-    refused(&["left=pointer"], "", "right is not named");
+    refused(&["left=pointer"], "", "right is not assigned");
     refused(
         &["left=pointer", "right=inverse3"],
         "--method basic,coupled",
@@ -307,7 +313,7 @@ fn what_ends_a_loop_takes_the_force_off_both() {
     for (of, ends, code, words) in [
         ("run", "right", 1, "device right: the device was lost"),
         ("run", "left", 1, "device left: the device was lost"),
-        ("run", "TERM", 130, "stopped before its"),
+        ("run", "TERM", 130, "stopped before the end of"),
         // With a page on it.
         (
             "live --listen 127.0.0.1:0",
@@ -319,7 +325,7 @@ fn what_ends_a_loop_takes_the_force_off_both() {
             "live --listen 127.0.0.1:0",
             "TERM",
             130,
-            "stopped before its",
+            "stopped before the end of",
         ),
     ] {
         let emulators = two_fingers();
@@ -357,9 +363,9 @@ fn what_ends_a_loop_takes_the_force_off_both() {
 /// or beyond the timeout while it is stopped.
 #[cfg(target_os = "linux")]
 #[test]
-fn the_guardian_of_each_board_takes_its_torque_off() {
-    use palpate_haply::two_diy::{Board, Generation};
+fn the_watchdog_of_each_board_takes_its_torque_off() {
     use palpate_haply::emulator::two_diy::{Emulator, Hand, PortSettings, Settings};
+    use palpate_haply::two_diy::{Board, Generation};
     let folder = Folder::new();
     folder.write("walls.toml", TWO_WALLS);
     for signal in ["KILL", "STOP"] {
@@ -369,7 +375,7 @@ fn the_guardian_of_each_board_takes_its_torque_off() {
                 angles: Some([130.0, 50.0]),
                 hand: Hand::at([0.019, 0.1169]),
                 port: PortSettings::Socket { path },
-                ..Settings::of(Generation::Three, Board::M0)
+                ..Settings::new(Generation::Three, Board::M0)
             };
             Emulator::start(&settings).unwrap()
         });
@@ -407,7 +413,7 @@ fn the_guardian_of_each_board_takes_its_torque_off() {
                 assert_eq!(board.torques(), [0.0; 2], "{said}");
             }
             // Each watchdog process reports if the loop has ended for good.
-            signal == "STOP" || said.matches("the force is off").count() >= 2
+            signal == "STOP" || said.matches("the force is now 0").count() >= 2
         });
         assert!(is_seen, "{signal}: not one of ten loops left two forces on");
     }
@@ -450,7 +456,10 @@ fn one_device_is_not_two() {
     let run = "run pinch.toml --priority 0 --duration 1";
     let (code, _, said) = answer(program(&folder, run, &devices));
     assert_eq!(code, 2, "{said}");
-    assert!(said.contains("left and right are one device"), "{said}");
+    assert!(
+        said.contains("left and right are the same device"),
+        "{said}"
+    );
     assert!(
         emulator
             .received()

@@ -233,8 +233,8 @@ fn an_inverse3_presses_a_ball_on_a_table() {
 /// Records a 2DIY whose hand moves it 32 mm away from its base, into a block before a wall, as `block.mcap`.
 #[cfg(unix)]
 fn record_the_block(folder: &Folder) -> Answer {
-    use palpate_haply::two_diy::{Board, Generation};
     use palpate_haply::emulator::two_diy::{self, Hand, PortSettings, Settings};
+    use palpate_haply::two_diy::{Board, Generation};
     // The hand starts at the tool's position.
     let settings = Settings {
         angles: Some([130.0, 50.0]),
@@ -249,7 +249,7 @@ fn record_the_block(folder: &Folder) -> Answer {
         port: PortSettings::Socket {
             path: folder.path("haply"),
         },
-        ..Settings::of(Generation::Three, Board::M0)
+        ..Settings::new(Generation::Three, Board::M0)
     };
     let emulator = two_diy::Emulator::start(&settings).unwrap();
     let answer = folder.palpate(
@@ -314,9 +314,9 @@ fn a_2diy_lacks_the_third_axis_whatever_its_file_says() {
     assert!(!text.contains("axes =") && text.contains("-0.025, 0.022]"));
     folder.write("block-at-wall.toml", &text);
     let answer = record_the_block(&folder);
-    let said = "tool: the file says x, y and z, and the device has x and y of the world (Haply 2DIY, generation 3, board m0): no force \
-                is rendered along the rest, where the mechanism holds the tool; `axes = [\"x\", \"y\"]` in [[device]] says so to `simulate`, `compare` and `tune`, \
-                too";
+    let said = "tool: the file has the axes x, y and z, but the device has x and y of the world (Haply 2DIY, generation 3, board m0): \
+                the mechanism holds the tool along the other axes, without a rendered force; set `axes = [\"x\", \"y\"]` in \
+                [[device]] for `simulate`, `compare` and `tune`, too";
     assert!(answer.stderr.contains(said), "{}", answer.stderr);
     let recording = Recording::open(&folder.path("block.mcap")).unwrap();
     for entry in recording.entries().unwrap() {

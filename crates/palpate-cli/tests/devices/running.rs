@@ -100,7 +100,7 @@ fn a_run_in_real_time_takes_its_time_and_reports() {
     assert!(begun.elapsed() >= Duration::from_millis(499));
     let report = parse(&answer);
     all_periods(&report["timing"], 500);
-    assert_eq!(report["ending"], "its time was over");
+    assert_eq!(report["ending"], "the duration is over");
     assert!(number(&report["timing"]["lateness_s"], "longest") >= 0.0);
     let asked = |index: usize| report["realtime"][index]["asked"].as_str();
     assert_eq!(asked(0), Some("SCHED_FIFO, priority 80"));
@@ -209,7 +209,7 @@ fn a_pointer_leads_the_device_of_the_scene() {
 #[test]
 fn a_delay_beyond_what_a_renderer_knows_is_told() {
     let folder = folder_with_scenes();
-    let words = "does not know the other 4 of these 12";
+    let words = "the other 4 of these 12 are unmodelled";
     let answer = folder.palpate("simulate wall.toml --delay 12 --method hfcr");
     assert!(answer.stderr.contains(words), "{answer:?}");
     let answer = folder.palpate("simulate wall.toml --delay 8 --method hfcr");
@@ -242,7 +242,7 @@ fn what_cannot_be_run_is_named() {
             "extent of the range",
         ),
         ("run wall.toml --safe-range 0.1", 2, "two numbers"),
-        ("run wall.toml --spin=-1", 2, "--spin: -1 s is no time"),
+        ("run wall.toml --spin=-1", 2, "--spin: -1 s is out of range"),
         ("run wall.toml --duration nan", 2, "--duration"),
         ("run wall.toml --priority 100", 2, "100"),
         ("run wall.toml --motion x.csv", 2, "--device replay"),
@@ -320,7 +320,7 @@ fn a_signal_ends_a_run_without_force_and_completes_the_recording() {
         assert!(recording.is_complete());
         let ended = recording.entries().unwrap().any(|entry| {
             matches!(entry.unwrap(), Entry::Event(event)
-                if event.kind == "ended" && event.text.contains("asked to stop"))
+                if event.kind == "ended" && event.text.contains("stopped on request"))
         });
         assert!(ended, "{name}");
     }
@@ -340,16 +340,13 @@ fn a_run_that_is_stopped_before_its_time_has_an_exit_code() {
         let output = child.output();
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(130), "{name}: {said}");
-        assert!(
-            said.contains("stopped before its 1000 s were over"),
-            "{said}"
-        );
+        assert!(said.contains("stopped before the end of 1000 s"), "{said}");
         let report = String::from_utf8_lossy(&output.stdout);
         assert!(report.contains(": complete, "), "{report}");
         let recording = Recording::open(&folder.path(&file)).unwrap();
         assert!(recording.is_complete());
         let counted = recording.counted.unwrap();
-        assert_eq!(counted.ending.as_deref(), Some("it was asked to stop"));
+        assert_eq!(counted.ending.as_deref(), Some("stopped on request"));
     }
 }
 
@@ -369,7 +366,7 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     let off_s = number(&report, "motors_off_s");
     assert!((off_s - 0.002 * (off - 1.0)).abs() < 1e-9, "{off_s} s");
     assert!((number(&report, "lasted_s") - 4.998).abs() < 1e-9);
-    let words = "safety had the motors off for ";
+    let words = "the safety layer kept the motors off for ";
     for part in [
         words,
         " s of 5.00 s (",
@@ -401,7 +398,7 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     }
     let text = folder.palpate(&run.replace(" --json", "").replace("off.mcap", "again.mcap"));
     assert!(
-        in_a_line(&text.stdout).contains(&format!("its time was over, but {words}")),
+        in_a_line(&text.stdout).contains(&format!("the duration is over, but {words}")),
         "{}",
         text.stdout
     );
@@ -427,7 +424,7 @@ fn a_loop_that_is_frozen_again_and_again_ends_with_its_motors_off() {
     let output = run.output();
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(5), "{said}");
-    assert!(in_a_line(&said).contains("recovered too often"), "{said}");
+    assert!(in_a_line(&said).contains("too many recoveries"), "{said}");
     let report = parse(&String::from_utf8(output.stdout).unwrap());
     assert_eq!(report["safety_stop"], "too-many-recoveries", "{report}");
 }
@@ -450,7 +447,7 @@ fn a_recording_that_cannot_grow_is_told_at_once_and_the_loop_goes_on() {
         .find(|line| line.starts_with("warning: cannot write"));
     let warning = warning.expect("it ended without a word");
     assert!(
-        warning.contains("full.mcap") && warning.contains("the loop goes on"),
+        warning.contains("full.mcap") && warning.contains("the loop continues"),
         "{warning}"
     );
     sleep(Duration::from_millis(300));

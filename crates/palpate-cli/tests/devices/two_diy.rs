@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 
 use crate::common::running::{Running, program};
 use crate::common::{Folder, experiment_text, number, parse};
-use palpate_haply::two_diy::{Board, Generation};
 use palpate_haply::emulator::two_diy::{Emulator, Fault, Hand, PortSettings, Settings};
+use palpate_haply::two_diy::{Board, Generation};
 use palpate_record::recording::{Entry, Recording};
 
 fn folder() -> Folder {
@@ -78,7 +78,7 @@ fn emulator(folder: &Folder) -> Emulator {
         port: PortSettings::Socket {
             path: folder.path("haply"),
         },
-        ..Settings::of(Generation::Three, Board::M0)
+        ..Settings::new(Generation::Three, Board::M0)
     };
     Emulator::start(&settings).unwrap()
 }
@@ -212,7 +212,7 @@ fn a_board_that_has_not_said_that_it_holds_no_torque_is_told_of() {
     run.child.signal("INT");
     let (_, _, said) = run.end();
     assert!(
-        said.contains("warning: the 2DIY could not be let go of")
+        said.contains("warning: the output of the 2DIY could not be disabled")
             && said.contains("last torque")
             && said.contains("switch its motors off"),
         "{said}"
@@ -255,7 +255,7 @@ fn a_cable_that_is_pulled_is_waited_for() {
     let (code, output, said) = run.end();
     // 5 if the motors were off for most of the time, which depends on the wait here.
     assert!(matches!(code, Some(0 | 5)), "{code:?}: {said}");
-    assert!(!said.contains("could not be let go"), "{said}");
+    assert!(!said.contains("could not be disabled"), "{said}");
     let report = parse(&output);
     assert!(
         report["events"].to_string().contains("recovered"),
@@ -559,7 +559,7 @@ fn a_calibration_goes_the_whole_way_or_says_what_was_missing() {
     let said = emulated.end();
     // In any case no torque is left.
     assert!(said.contains("in the end 0 and 0"), "{said}");
-    assert!(answer.stderr.contains("bring the device"), "{answer:?}");
+    assert!(answer.stderr.contains("move the device"), "{answer:?}");
     let is_there = folder.path("device.toml").exists();
     if answer.code == 6 {
         assert!(answer.stderr.contains("samples are missing"), "{answer:?}");

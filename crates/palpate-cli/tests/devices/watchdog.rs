@@ -17,8 +17,8 @@ use std::time::{Duration, Instant};
 
 use crate::common::running::{Running, program};
 use crate::common::{Folder, experiment_text, number, parse};
-use palpate_haply::two_diy::{Board, Generation};
 use palpate_haply::emulator::two_diy::{Did, Emulator, Fault, Hand, PortSettings, Seen, Settings};
+use palpate_haply::two_diy::{Board, Generation};
 use processes::{children, is_held};
 use signals::{Does, signals};
 
@@ -34,10 +34,10 @@ const STOOD_STILL: [&str; 7] = [
     "the device is gone",
     "device-lost",
     "error: no answer",
-    "error: what came back is no answer",
-    "error: device 5 has answered, but not with one whole answer",
+    "error: invalid answer",
+    "error: device 5 sent no complete answer",
     "error: the first angles",
-    "its process has started and does not answer",
+    "its process has started but does not answer",
 ];
 
 /// In the middle of the workspace, 7 mm in a wall.
@@ -60,7 +60,7 @@ fn emulator_on(port: PortSettings) -> Emulator {
         angles: Some([130.0, 50.0]),
         hand: Hand::at([0.019, 0.1169]),
         port,
-        ..Settings::of(Generation::Three, Board::M0)
+        ..Settings::new(Generation::Three, Board::M0)
     };
     Emulator::start(&settings).unwrap()
 }
@@ -336,14 +336,14 @@ fn stopped_for_a_while_it_comes_back() -> bool {
 }
 
 #[test]
-fn a_loop_that_has_lost_its_guardian_gives_no_force_and_says_how() {
+fn a_loop_that_has_lost_its_watchdog_gives_no_force_and_says_how() {
     for (number, lost, warning, event) in [
         (9, "ended", "the watchdog ended", "the watchdog has ended"),
         (
             19,
             "not-listening",
-            "the watchdog is there and does not listen",
-            "the watchdog is there and does not listen",
+            "the watchdog does not respond",
+            "the watchdog does not respond",
         ),
     ] {
         // If the machine stalls for a second, the loop gives up the board before it misses the watchdog process. A
@@ -381,7 +381,7 @@ fn without_its_watchdog(number: i32) -> (String, serde_json::Value) {
 
 /// A removed port is not held open, and the returned device gets a new watchdog process.
 #[test]
-fn a_device_that_comes_back_has_a_guardian_of_its_own() {
+fn a_device_that_comes_back_has_a_watchdog_of_its_own() {
     let folder = folder();
     let settings = Settings {
         angles: Some([130.0, 50.0]),
@@ -390,7 +390,7 @@ fn a_device_that_comes_back_has_a_guardian_of_its_own() {
         port: PortSettings::Socket {
             path: folder.path("haply"),
         },
-        ..Settings::of(Generation::Three, Board::M0)
+        ..Settings::new(Generation::Three, Board::M0)
     };
     let emulator = Emulator::start(&settings).unwrap();
     let port = emulator.path();
@@ -418,7 +418,7 @@ fn a_device_that_comes_back_has_a_guardian_of_its_own() {
 
 /// The watchdog process ignores terminal input of the loop and all signals that can be caught.
 #[test]
-fn a_guardian_heeds_no_signal_and_is_in_no_session_of_the_loop() {
+fn a_watchdog_heeds_no_signal_and_is_in_no_session_of_the_loop() {
     let folder = folder();
     let emulator = emulator(&folder);
     let port = emulator.path();
@@ -439,7 +439,7 @@ fn a_guardian_heeds_no_signal_and_is_in_no_session_of_the_loop() {
 }
 
 #[test]
-fn without_a_guardian_it_is_said_that_the_board_holds_its_torque() {
+fn without_a_watchdog_it_is_said_that_the_board_holds_its_torque() {
     let folder = folder();
     let emulator = emulator(&folder);
     let run = pressing(&folder, &emulator, "--watchdog off --priority 0");
@@ -463,7 +463,7 @@ fn without_a_guardian_it_is_said_that_the_board_holds_its_torque() {
 }
 
 #[test]
-fn a_guardian_is_for_devices_that_hold_their_force_and_no_command_of_a_user() {
+fn a_watchdog_is_for_devices_that_hold_their_force_and_no_command_of_a_user() {
     let folder = folder();
     folder.fail(
         "run wall.toml --fast --watchdog on",

@@ -144,7 +144,7 @@ fn a_device_file_says_what_flags_would() {
         &[
             "taken from device.toml: device_mass_kg 0.1",
             "delay_s 0.005 ± 0.0001, lag_s 0.002",
-            "--gain stands in place of gain",
+            "--gain overrides gain",
         ],
     );
     // Delay and lag of one fit have opposite errors: their sum is more accurate than each.
@@ -165,7 +165,7 @@ fn a_device_file_says_what_flags_would() {
     let answer = folder.palpate_reading("0\n0.001\n", &other);
     model(
         &answer,
-        &["found in a loop of 0.01 s, and this one has 0.001 s"],
+        &["measured at a period of 0.01 s, but this loop has 0.001 s"],
     );
 }
 
@@ -265,7 +265,7 @@ fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
     }
     let shown = folder.succeed("info rec.mcap");
     let line =
-        "the renderer was told: device 0.100 kg, delay 5.00 ± 0.100 ms, lag 2.00 ms, gain 0.900\n";
+        "the renderer's model: device 0.100 kg, delay 5.00 ± 0.100 ms, lag 2.00 ms, gain 0.900\n";
     assert!(shown.contains(line), "{shown}");
     // The same motion, rendered with the model values: as it was recorded, and with a method that ignores them.
     let replayed = |flags: &str| {
@@ -385,12 +385,12 @@ fn flags_tell_a_transmission_as_a_scene_and_a_device_file_do() {
     };
     let simulate = "simulate flexible.toml --method coupled";
     let by_flags = methods(&format!("{simulate} {TRANSMISSION}"));
-    assert_eq!(methods("simulate told.toml --method coupled"), by_flags);
+    assert_eq!(methods("simulate model.toml --method coupled"), by_flags);
     assert_ne!(methods(simulate), by_flags);
     // One flag overrides one key of a scene and of a file.
     let softer = format!("{simulate} {TRANSMISSION}").replace("100", "80");
     assert_eq!(
-        methods("simulate told.toml --method coupled --resonance 80"),
+        methods("simulate model.toml --method coupled --resonance 80"),
         methods(&softer)
     );
     assert_ne!(methods(&softer), by_flags);
@@ -408,7 +408,7 @@ fn flags_tell_a_transmission_as_a_scene_and_a_device_file_do() {
         &answer,
         &[
             "resonance_damping_ratio 0.03, flexible_mass_fraction 0.5",
-            "--resonance stands in place of resonance_hz",
+            "--resonance overrides resonance_hz",
         ],
     );
     // A flag completes the file.
@@ -433,7 +433,11 @@ fn a_part_of_a_transmission_is_refused_where_nothing_says_the_rest() {
             ),
             ("--flexible-mass-fraction 0.5", "--resonance is missing"),
         ] {
-            folder.fail(&format!("{command} {flags}"), 2, &[missing, "all three"]);
+            folder.fail(
+                &format!("{command} {flags}"),
+                2,
+                &[missing, "a flexible transmission needs"],
+            );
         }
     }
 }

@@ -110,7 +110,7 @@ fn without_times_it_is_said_that_the_period_is_not_checked() {
     moved(&mut child, 10_000);
     let (code, said) = end(child);
     assert_eq!(code, Some(0), "{said}");
-    let what = "Not checked: that the samples came every 0.001 s (--period)";
+    let what = "Not checked: the sampling period of 0.001 s (--period)";
     assert!(said.contains(what), "{said}");
 }
 

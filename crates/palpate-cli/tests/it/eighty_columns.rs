@@ -53,7 +53,7 @@ fn compare() {
 
 #[test]
 fn demo() {
-    assert_fits(&Folder::new().succeed("demo"), &["Where to go next"]);
+    assert_fits(&Folder::new().succeed("demo"), &["Next steps"]);
 }
 
 #[test]
@@ -77,7 +77,10 @@ fn a_loop_and_its_machine() {
     let folder = Folder::new();
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/live.toml");
     assert_fits(&folder.succeed("devices"), &[]);
-    assert_fits(&folder.palpate("doctor").stdout, &["What a loop asks for"]);
+    assert_fits(
+        &folder.palpate("doctor").stdout,
+        &["Real-time requests of a loop"],
+    );
     let ran = folder.palpate(&format!("run {scene} --duration 0.2 --fast"));
     // A loaded machine misses ticks.
     assert!([0, 4].contains(&ran.code), "{ran:?}");
@@ -166,7 +169,7 @@ fn report() {
     for words in [
         "stiffest wall",
         "hold bound",
-        "warning: delay told",
+        "warning: modelled delay",
         "not checked:",
     ] {
         assert!(text.contains(words), "{words}: {text}");

@@ -192,7 +192,7 @@ fn the_demo_tells_the_story_and_leaves_its_files() {
         &["hfcr", "popc-ref", "ideal"],
     );
     assert!(
-        story.contains("FRE %") && story.contains("Where to go next"),
+        story.contains("FRE %") && story.contains("Next steps"),
         "{story}"
     );
     let report = folder.json("demo --out-dir other");
@@ -210,7 +210,7 @@ fn where_to_go_next_is_a_way() {
     let folder = Folder::new();
     let story = folder.succeed("demo --out-dir first");
     let next = story
-        .split("Where to go next")
+        .split("Next steps")
         .nth(1)
         .unwrap()
         .replace("\\\n", " ");
@@ -279,7 +279,7 @@ fn a_folder_that_cannot_be_made_is_named() {
     folder.fail(
         "demo --out-dir taken",
         1,
-        &["cannot make the folder `taken`"],
+        &["cannot create the folder `taken`"],
     );
     folder.fail("demo --out-dir taken/below", 1, &["`taken/below`"]);
 }

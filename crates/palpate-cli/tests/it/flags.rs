@@ -280,7 +280,7 @@ fn a_setting_that_means_two_things_needs_one_method() {
         folder.fail(
             command,
             2,
-            &["--damping means two things: of virtual-damper damping B of the contact, of hfcr damping b"],
+            &["--damping has two meanings: for virtual-damper damping B of the contact, for hfcr damping b"],
         );
     }
     for command in &commands(&[("--method", "all"), ("--damping-cap", "1")])[..2] {

@@ -134,7 +134,7 @@ fn three_parts_one_of_them_killed_and_run_again_are_the_whole_map() {
     folder.fail(
         &format!("map merge {parts}"),
         3,
-        &["map-2-of-3.csv is torn", "make this part again"],
+        &["map-2-of-3.csv is damaged", "compute this part again"],
     );
     folder.write(
         "other.csv",
@@ -222,8 +222,8 @@ fn what_is_told_wrong_and_delays_stand_in_the_map() {
     let text = folder.succeed(arguments);
     for word in [
         "delay [samples] 1",
-        "told mass x 2",
-        "told period x 1.1",
+        "model mass x 2",
+        "model period x 1.1",
         "0.5 N s/m",
     ] {
         // The message may wrap within them.
@@ -365,7 +365,10 @@ fn an_older_map_is_read_and_says_nothing_of_contacts_that_stay() {
         .write("old-1.csv", OLDER[0])
         .write("old-2.csv", OLDER[1]);
     let text = folder.succeed("map merge old-1.csv old-2.csv --out old.csv");
-    assert!(text.contains("This map is by an older version"), "{text}");
+    assert!(
+        text.contains("This map was made by an older version"),
+        "{text}"
+    );
     assert!(!text.contains("rests %"), "{text}");
     let joined = folder.read("old.csv");
     assert!(joined.lines().next().unwrap().ends_with(",palpate_map_1"));
@@ -392,13 +395,13 @@ fn an_older_map_is_read_and_says_nothing_of_contacts_that_stay() {
         &[
             "old-1.csv has bounces alone",
             "new-2.csv has bounces and contacts that stay",
-            "compute the older one again",
+            "recompute the older one",
         ],
     );
     folder.fail(
         &format!("{scene} --resume --out old.csv"),
         3,
-        &["old.csv is by an older version", "--overwrite"],
+        &["old.csv was made by an older version", "--overwrite"],
     );
     assert_eq!(folder.read("old.csv"), joined);
     // The common values agree to the bit, for the method that is unchanged.
@@ -467,7 +470,7 @@ fn a_figure_speaks_of_the_bounds_that_it_draws() {
     assert!(!of_one.contains("sustained"), "{of_one}");
     let with_hfcr_mod = words("hfcr-mod");
     assert!(
-        with_hfcr_mod.contains("but for that of HFCR's sustained contact."),
+        with_hfcr_mod.contains("except the bound of HFCR's sustained contact."),
         "{with_hfcr_mod}"
     );
 }
@@ -524,8 +527,8 @@ fn advice_against_coupled_has_its_reason() {
         "advise --device-mass 0.3 --period 0.002 --encoder-quantum 1e-5 --stiffness 2000 --mass 0.05",
     );
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(text.contains("Use hfcr as it is"), "{text}");
+    assert!(text.contains("Use hfcr with its defaults"), "{text}");
     let reason =
-        "coupled comes nearer, to 1.6 %, but its force swings at rest by 10.8 % of the weight";
+        "coupled has a smaller error, 1.6 %, but its force swings at rest by 10.8 % of the weight";
     assert!(text.contains(reason), "{text}");
 }

@@ -145,7 +145,7 @@ fn a_map_that_is_complete_is_not_made_again() {
     let (table, figure) = (folder.read("map.csv"), folder.read("map.svg"));
     folder.write("map.svg", "mine");
     let again = folder.succeed(&format!("{map} --resume"));
-    assert!(again.contains("kept map.svg, which was there"), "{again}");
+    assert!(again.contains("kept the existing map.svg"), "{again}");
     assert_eq!(folder.read("map.svg"), "mine");
     // A missing figure is drawn.
     fs::remove_file(folder.path("map.svg")).unwrap();

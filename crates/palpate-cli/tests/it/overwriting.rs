@@ -156,7 +156,7 @@ fn what_cannot_be_written_is_said_before_the_work() {
     folder.fail(
         "demo --out-dir tap.csv",
         1,
-        &["cannot make the folder `tap.csv`"],
+        &["cannot create the folder `tap.csv`"],
     );
     assert_eq!(folder.names(), before);
 }
@@ -240,7 +240,7 @@ fn a_demonstration_replaces_what_it_has_made_and_nothing_else() {
             1,
             &[
                 "cannot write `palpate-demo/hand.csv`",
-                "has not made",
+                "is not an unchanged file of palpate demo",
                 "--out-dir",
                 "--overwrite",
             ],

@@ -106,7 +106,7 @@ fn a_trace_that_is_too_long_is_refused_as_soon_as_that_shows() {
         assert_eq!(output.status.code(), Some(3), "{said}");
         assert!(said.len() < 500, "{said}");
         for words in [
-            "standard input: the trace goes on for more than 2000000 periods (2.00 s)",
+            "standard input: the trace continues for more than 2000000 periods (2.00 s)",
             &format!("after its first sample at {first}; at most 2000000 fit"),
             "--from and --to",
             "--period",
@@ -132,7 +132,7 @@ fn a_part_is_one_of_a_motion_that_is_there() {
         (
             "--from 7",
             3,
-            "0 of the 2 samples that are needed at least lie from 7 s on; the times of the trace begin \
+            "0 of at least 2 required samples lie from 7 s on; the times of the trace begin \
              at 0 s and end at 1 s",
         ),
         (

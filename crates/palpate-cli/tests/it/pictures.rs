@@ -273,7 +273,7 @@ fn an_advice_is_drawn_with_what_is_asked_for() {
     let shown = words(&folder, "reach.svg");
     let asked = "80 N/m for an object of 0.05 kg";
     assert_eq!(
-        count(&shown, &format!("asked for: {asked}")),
+        count(&shown, &format!("requested: {asked}")),
         1,
         "{shown:?}"
     );

@@ -220,7 +220,7 @@ fn a_pipe_that_refused_every_line_does_not_end_well() {
     for (input, code) in [("x\nnan\n", 5), ("x\n0.001\n", 0), ("", 0)] {
         let answer = Folder::new().palpate_reading(input, WALL);
         assert_eq!(answer.code, code, "{input:?}: {answer:?}");
-        let said = answer.stderr.contains("every line was refused");
+        let said = answer.stderr.contains("every line was rejected");
         assert_eq!(said, code == 5, "{answer:?}");
     }
 }
@@ -235,7 +235,7 @@ fn a_dead_sensor_does_not_flood_standard_error() {
     let last = messages.last().unwrap();
     assert!(last.starts_with("line 2048: "), "{last}");
     assert!(
-        last.contains("refused so far: 2048; the next to be told is number 4096"),
+        last.contains("refused so far: 2048; next message at 4096"),
         "{last}"
     );
     assert!(
@@ -306,7 +306,10 @@ fn a_header_of_other_columns_is_not_guessed_at() {
         let answer = Folder::new().palpate_reading(format!("{header}\n0,1\n"), WALL);
         assert_eq!(answer.code, 3, "{header}: {answer:?}");
         assert_eq!(answer.stdout, "", "{header}");
-        assert!(answer.stderr.contains("names other columns"), "{answer:?}");
+        assert!(
+            answer.stderr.contains("unknown columns in the header"),
+            "{answer:?}"
+        );
     }
     // Blanks around the names are allowed.
     assert_eq!(forces(WALL, "t_s, position_m\n0,0\n"), [0.0]);
@@ -344,12 +347,12 @@ fn end_of_a_late_device(flags: &str) -> String {
 #[test]
 fn the_end_says_which_lateness_was_learned() {
     let end = end_of_a_late_device("--delay-deviation 0.3");
-    assert!(end.contains("; learned: commands begin 0.50"), "{end}");
+    assert!(end.contains("; estimated: commands begin 0.50"), "{end}");
     let json = parse(&end_of_a_late_device("--delay-deviation 0.3 --json"));
     let learned = number(&json, "learned_lateness_s");
     assert!((learned - 5e-4).abs() < 5e-6, "{learned}");
     let end = end_of_a_late_device("");
-    assert!(!end.contains("learned"), "{end}");
+    assert!(!end.contains("estimated"), "{end}");
 }
 
 #[test]
@@ -489,7 +492,7 @@ fn coupled_asks_for_the_mass_it_needs() {
         2,
         &[
             "coupled needs --device-mass <kg>",
-            "above 0 and right within a factor of 2",
+            "above 0 and accurate within a factor of 2",
             "--scene <SCENE.toml>",
             "--method hfcr, which needs none",
         ],
@@ -535,14 +538,14 @@ fn a_scene_says_what_flags_would() {
     };
     let block = same("pipe --scene block.toml", "--device-mass 0.25");
     let model = same(
-        "pipe --scene told.toml --method coupled",
+        "pipe --scene model.toml --method coupled",
         "--device-mass 0.3",
     );
     assert_ne!(block, model);
-    same("pipe --scene told.toml", "--device-mass 0.3 --method hfcr");
+    same("pipe --scene model.toml", "--device-mass 0.3 --method hfcr");
     // Flags override the scene.
     same(
-        "pipe --scene told.toml --method coupled --device-mass 0.2",
+        "pipe --scene model.toml --method coupled --device-mass 0.2",
         "--device-mass 0.2",
     );
 }

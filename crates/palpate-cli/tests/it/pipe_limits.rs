@@ -39,10 +39,7 @@ fn forces_are_limited_and_come_in_softly_unless_told_otherwise() {
     for words in ["over 0.2 s", "--force-limit", "--soft-start"] {
         assert!(limited.stderr.contains(words), "{}", limited.stderr);
     }
-    let said = limited
-        .stderr
-        .matches("asks for more than the limit of 20 N")
-        .count();
+    let said = limited.stderr.matches("exceeds the limit of 20 N").count();
     assert_eq!(said, 1, "{}", limited.stderr);
 
     let neither = pipe(&unlimited(WALL), "5\n");

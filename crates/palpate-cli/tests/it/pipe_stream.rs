@@ -64,7 +64,7 @@ fn every_column_has_a_name_with_its_unit_and_a_value() {
     assert_eq!(
         header,
         "force_on_device_n,force_on_object_n,t_s,device_position_m,object_position_m,\
-         object_velocity_m_per_s,penetration_m,object_shift_m,phase,stored_energy_j,\
+         object_velocity_m_per_s,penetration_m,placement_shift_m,phase,stored_energy_j,\
          port_work_j,virtual_force_work_j,outside_work_j,leak_original_j,leak_held_j,limited,fault"
     );
     let lines: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
@@ -163,14 +163,14 @@ fn a_change_that_cannot_be_made_changes_nothing() {
         ),
         ("set stiffness=800", "did you mean stiffness_n_per_m?"),
         ("set stiffness_n_per_m=0,8", "must be a number"),
-        ("set", "nothing is set"),
+        ("set", "`set` has no values"),
     ];
     for (line, why) in cases {
         let answer = pipe(WALL, &format!("0.001\n{line}\n{}", "0.001\n".repeat(150)));
         let rows = rows(&answer);
         assert_eq!(rows.len(), 151, "{line}");
         assert!(rows.iter().all(|row| row[0] == -1.0), "{line}");
-        let said = "line 2: set is refused, and nothing changes: ";
+        let said = "line 2: set is refused and has no effect: ";
         assert!(answer.stderr.contains(said), "{line}: {answer:?}");
         assert!(answer.stderr.contains(why), "{line}: {answer:?}");
     }
@@ -226,7 +226,7 @@ fn positions_come_in_the_unit_that_is_said() {
     let both = pipe(&format!("{WALL} --unit mm"), "position_cm\n1\n");
     assert_eq!(both.code, 3, "{both:?}");
     assert!(
-        both.stderr.contains("says cm") && both.stderr.contains("says mm"),
+        both.stderr.contains("the unit cm") && both.stderr.contains("--unit is mm"),
         "{both:?}"
     );
 }
@@ -242,10 +242,10 @@ fn a_motion_that_no_hand_makes_ends_the_pipe_unless_it_is_meant() {
     assert_eq!(refused.code, 3, "{refused:?}");
     assert!(refused.stdout.ends_with("\n0\n"), "{}", refused.stdout);
     for words in [
-        "m of hand motion in",
+        "m path in",
         "is the unit mm?",
         "--unit mm",
-        "--unit m says",
+        "in metres, pass --unit m",
     ] {
         assert!(refused.stderr.contains(words), "{}", refused.stderr);
     }

@@ -144,7 +144,7 @@ stiffness_n_per_m = 3000.0
     assert_eq!(answer.code, 0, "{answer:?}");
     assert_eq!(answer.stdout, "0,0,0\n0,0,0\n0,0,0\n");
     let said =
-        "line 1: \"tool\" begins inside \"part\", and nothing pushes it until it has come out";
+        "line 1: \"tool\" starts inside \"part\"; no contact force acts on it until it is outside";
     assert!(answer.stderr.contains(said), "{answer:?}");
 }
 
@@ -254,15 +254,12 @@ fn lines_of_other_columns_and_motions_no_hand_makes_end_the_pipe() {
         .map(|tick| format!("0,0,{},100,0,80\n", 80.0 - 0.05 * f64::from(tick)))
         .collect();
     for (input, why) in [
-        (
-            "0,0,0.08\n",
-            "has 3 columns, and a line is `thumb.x_m,thumb.y_m",
-        ),
-        (&in_millimetres, "--unit mm takes it so"),
+        ("0,0,0.08\n", "has 3 columns; expected `thumb.x_m,thumb.y_m"),
+        (&in_millimetres, "pass --unit mm"),
         // Each hand would get the force of the other.
         (
             "finger.x_m,finger.y_m,finger.z_m,thumb.x_m,thumb.y_m,thumb.z_m\n0.1,0,0.08,0,0,0.08\n",
-            "line 1: the first line names the columns `finger.x_m",
+            "line 1: the header has the columns `finger.x_m",
         ),
     ] {
         let answer = folder().palpate_reading(input, "pipe ball.toml");
@@ -384,7 +381,7 @@ fn a_device_of_six_axes_is_read_with_its_orientation_and_answered_with_a_torque(
     let lost = lines.lines().take(40).collect::<Vec<_>>().join("\n") + "\n0,0,0.0181,0,0,0,0\n";
     let answer = folder.palpate_reading(&lost, "pipe box.toml --soft-start 0");
     assert!(
-        answer.stderr.contains("no quaternion of length 1"),
+        answer.stderr.contains("not a unit quaternion"),
         "{answer:?}"
     );
     assert_eq!(answer.stdout.lines().nth(40), Some("0,0,0,0,0,0"));
@@ -428,7 +425,9 @@ fn a_guard_holds_back_in_a_pipe_and_says_so() {
     assert_eq!(guarded(&open), 0);
     assert!(guarded(&reporting) > 20);
     assert!(
-        reporting.stderr.contains("more energy than there is"),
+        reporting
+            .stderr
+            .contains("the bound of the passivity guard"),
         "{}",
         reporting.stderr
     );

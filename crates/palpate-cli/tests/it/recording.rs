@@ -25,7 +25,7 @@ fn info_says_what_is_in_a_recording() {
         assert!(text.contains(words), "no {words:?} in:\n{text}");
     }
     // Values missing from the device are not printed.
-    assert!(!text.contains("answer of the device"), "{text}");
+    assert!(!text.contains("device response"), "{text}");
     let report = folder.json("info tap.mcap");
     assert_eq!(report["format"], "palpate info 1");
     assert_eq!(
@@ -165,7 +165,7 @@ fn a_tail_that_is_lost_is_said_and_has_an_exit_code() {
     for words in [
         "6 of 36 ticks lost: 6 after tick 29\n",
         "2 of 2 events lost\n",
-        "safety had the motors off for 9 of 36 ticks (25.0 %)\n",
+        "the safety layer kept the motors off for 9 of 36 ticks (25.0 %)\n",
     ] {
         assert!(answer.stdout.contains(words), "{words}: {}", answer.stdout);
     }
@@ -191,7 +191,7 @@ fn a_tail_that_is_lost_is_said_and_has_an_exit_code() {
     write("old.mcap", None);
     let text = folder.succeed("info old.mcap");
     assert!(
-        text.contains("nothing is known to be lost; it does not say how many ticks the loop made"),
+        text.contains("no loss is known; the number of ticks of the loop is not recorded"),
         "{text}"
     );
     assert!(!text.contains("complete"), "{text}");
@@ -218,7 +218,7 @@ fn a_recording_that_was_cut_off_is_read_as_far_as_it_goes() {
         1,
         &[
             "tap.mcap: cannot be read: ",
-            "there is an unfinished one: read tap.mcap.part",
+            "an unfinished recording exists: read tap.mcap.part",
         ],
     );
     let answer = folder.palpate("convert tap.mcap.part");
@@ -266,7 +266,7 @@ fn a_recording_becomes_a_table_and_its_events_another() {
     let answer = folder.palpate("convert tap.mcap --out -");
     assert_eq!((answer.code, answer.stdout), (0, folder.read("tap.csv")));
     assert!(
-        answer.stderr.contains("2 events left out"),
+        answer.stderr.contains("2 events omitted"),
         "{}",
         answer.stderr
     );
@@ -334,7 +334,7 @@ fn a_replay_by_the_recorded_method_gives_the_recorded_forces() {
     }
     let text = folder.succeed("replay tap.mcap --method basic");
     assert!(
-        text.contains("motion replay: the device goes where it went, whatever the force"),
+        text.contains("motion replay: the device repeats its motion, whatever the force"),
         "{text}"
     );
 }
@@ -417,7 +417,11 @@ fn what_cannot_be_read_or_replayed_is_refused() {
         3,
         &["empty.mcap: the recording has no tick"],
     );
-    folder.fail("replay empty.mcap", 3, &["no text called scene"]);
+    folder.fail(
+        "replay empty.mcap",
+        3,
+        &["metadata entry `scene` is missing"],
+    );
     let wrong = RecordingMetadata::new("0.1.0").with("scene", "scene_format = 1\ntitle = 3\n");
     begin("wrong.mcap", &wrong).finish().unwrap();
     folder.fail("replay wrong.mcap", 3, &["wrong.mcap (scene):2:9"]);

@@ -272,7 +272,7 @@ fn what_shows_no_hand_is_refused() {
     folder.fail(
         "replay tap.mcap --replay hand",
         3,
-        &["tap.mcap: no tick says which force was sent"],
+        &["tap.mcap: no tick contains the sent force"],
     );
     write_again(&folder, text, &run, |at, row| {
         if at > 6 {

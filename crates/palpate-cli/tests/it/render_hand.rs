@@ -48,8 +48,8 @@ fn every_method_gets_a_hand_and_the_report_says_how_well_it_is_known() {
     for words in [
         "hand replay (motor off)",
         "1 sigma",
-        "gives the recorded motion back within",
-        "holds on to its motion with 300 N/m and 5 N s/m",
+        "reproduces the recorded motion within",
+        "its impedance is 300 N/m and 5 N s/m",
         "the device leaves the recorded motion, which spans",
         "by up to: basic ",
     ] {
@@ -74,7 +74,7 @@ fn a_motion_is_said_to_be_one() {
         of_method(&report, "coupled")["parameters"]["device_mass_kg"],
         "inf"
     );
-    let words = "motion replay: the device goes where it went, whatever the force (1/m = 0)";
+    let words = "motion replay: the device repeats its motion, whatever the force (1/m = 0)";
     assert!(folder.succeed(&plain).contains(words));
     assert_eq!(folder.json(&format!("{plain} --replay motion")), report);
 }
@@ -217,7 +217,7 @@ fn a_hand_of_which_nothing_is_said_holds_on_to_its_motion() {
     assert!((1e-4..0.1).contains(&departure), "{departure} m");
     let words = folder.succeed(&render);
     for said in [
-        "it holds on to its motion with 60 N/m and 2 N s/m (assumed; --hand-stiffness and",
+        "its impedance is 60 N/m and 2 N s/m (assumed; change it with --hand-stiffness and",
         "mm, by up to: coupled ",
     ] {
         assert!(in_a_line(&words).contains(said), "no {said:?} in:\n{words}");
@@ -237,8 +237,8 @@ fn what_no_hand_can_follow_is_refused() {
         &format!("render long.csv {CONTACT} {free}"),
         2,
         &[
-            "long.csv: held by a hand of 0 N/m and 0 N s/m, the device would leave the recorded motion by",
-            "no arm reaches farther than 1 m",
+            "long.csv: held by a hand of 0 N/m and 0 N s/m, the device leaves the recorded motion by",
+            "farther than an arm reaches (1 m)",
             "--hand-stiffness 60 --hand-damping 2",
         ],
     );

@@ -172,7 +172,7 @@ fn a_session_is_recorded_beside_the_page() {
                      --method basic --out page.html";
     let answer = folder.palpate(&format!("{arguments} --json"));
     assert_eq!(answer.code, 0, "{answer:?}");
-    assert!(answer.stderr.contains("a session of 1 s"), "{answer:?}");
+    assert!(answer.stderr.contains("session of 1 s"), "{answer:?}");
     let report = parse(&answer.stdout);
     schema::check(&report);
     assert_eq!(report["timing"][0]["recording"], "page.mcap");
@@ -181,15 +181,12 @@ fn a_session_is_recorded_beside_the_page() {
     // The loop used the file's model values, at another period.
     let model = folder.json("info page.mcap");
     assert_eq!(model["model"]["delay_s"], 0.004);
-    assert_eq!(checks(&report, "delay told")["outcome"], "in-order");
+    assert_eq!(checks(&report, "modelled delay")["outcome"], "in-order");
     assert_eq!(checks(&report, "calibrated period")["outcome"], "warning");
     // A second recording would replace the first, which is never done.
     let again = folder.palpate(&format!("{arguments} --overwrite"));
     assert_eq!(again.code, 1, "{again:?}");
-    assert!(
-        again.stderr.contains("page.mcap is there already"),
-        "{again:?}"
-    );
+    assert!(again.stderr.contains("page.mcap exists"), "{again:?}");
 }
 
 #[test]
@@ -242,19 +239,15 @@ fn what_cannot_be_is_refused_before_anything_is_computed() {
         (
             "--device-file device.toml --calibration wrong.json --json",
             3,
-            "no report of a calibration",
+            "not a calibration report",
         ),
         ("tap.mcap --calibration fit.json --json", 2, "--device-file"),
-        (
-            "tap.mcap tap.mcap tap.mcap tap.mcap --json",
-            2,
-            "room for 3",
-        ),
-        ("tap.mcap --device simulated --json", 2, "not of both"),
+        ("tap.mcap tap.mcap tap.mcap tap.mcap --json", 2, "at most 3"),
+        ("tap.mcap --device simulated --json", 2, "not both"),
         (
             "tap.mcap --scene wall.toml --json",
             2,
-            "--scene is of a session",
+            "--scene is for a session",
         ),
         (
             "tap.mcap --port /dev/null --json",

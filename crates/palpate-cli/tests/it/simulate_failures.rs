@@ -108,7 +108,7 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
         "force_n = 0.981",
         "force_n = -5",
         "24:14",
-        &["asks for 3 collisions", "has only 0"],
+        &["requires 3 collisions", "has only 0"],
     ),
     (
         "method = \"hfcr\"",
@@ -274,7 +274,7 @@ fn a_recording_in_place_of_a_scene_is_said_to_be_one() {
     let folder = Folder::new();
     for file in ["motion.csv", "motion.MCAP"] {
         folder.write(file, "t_s,position_m\n0,0\n");
-        let words = "a scene is a TOML file, and .";
+        let words = "a scene is a TOML file; .";
         folder.fail(&format!("simulate {file}"), 2, &[words, "of a recording"]);
     }
 }

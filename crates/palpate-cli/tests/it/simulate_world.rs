@@ -209,26 +209,26 @@ fn a_world_that_cannot_be_judged_or_rendered_says_why() {
             "duration_s = 0.3",
             "duration_s = 3e4",
             3,
-            "at most 1e6 are run",
+            "at most 1e6 are allowed",
         ),
         (
             "shape = { sphere = { radius_m = 0.03 } }",
             "shape = { mesh = { vertices_m = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]], faces = [[0, 1, 2]] } }\n\
              inertia_kg_m2 = [1e-4, 1e-4, 1e-4]",
             3,
-            "\"ball\" and \"floor\": all of it lies in a plane",
+            "\"ball\" and \"floor\": it is flat or nearly flat",
         ),
         (
             "format = 2",
             "format = 3",
             3,
-            "wrong.toml:2:10: format is 3; a world with [[device]] and [[body]] has 2",
+            "wrong.toml:2:10: format is 3; a world with [[device]] and [[body]] needs 2",
         ),
         (
             "between = [\"*\", \"*\"]",
             "between = [\"ball\", \"ball\"]",
             3,
-            "\"ball\" cannot touch itself; name two",
+            "\"ball\" cannot touch itself; give two different names",
         ),
         (
             "[[device]]",
@@ -241,13 +241,13 @@ fn a_world_that_cannot_be_judged_or_rendered_says_why() {
             "normal = [0.0, 0.0, 1.0]",
             "normal = [0.0, 0.0, 0.0]",
             3,
-            "normal has length 0 and so no direction",
+            "normal has length 0, so it has no direction",
         ),
         (
             "mass_kg = 0.1",
             "mass_kg = 0.1\ninertia_kg_m2 = [1.0, 5.0, 2.0]",
             3,
-            "inertia has a moment of 5, and no mass has one that is larger than the sum of the other two, 3",
+            "inertia has a moment of 5, and it has to be at most the sum of the other two, 3",
         ),
     ] {
         folder.write("wrong.toml", BALL.replace(right, wrong));
@@ -270,7 +270,11 @@ fn a_world_that_cannot_be_judged_or_rendered_says_why() {
         2,
         &["--stiffness", "is a world"],
     );
-    folder.fail("heights ball.toml", 3, &["the key format is of a world"]);
+    folder.fail(
+        "heights ball.toml",
+        3,
+        &["the key format belongs to a world"],
+    );
 }
 
 #[test]
@@ -418,7 +422,7 @@ fn tune_tries_the_dampings_that_are_named_and_refuses_what_has_nothing_to_tune()
     folder.fail(
         "tune ball.toml",
         2,
-        &["coupled has nothing to tune on a world"],
+        &["coupled has no setting to tune on a world"],
     );
     folder.fail(
         "tune ball.toml --method virtual-damper --delay 1",

@@ -42,7 +42,7 @@ fn sets_with_real_actuators_are_judged_by_what_is_told() {
     let said: Vec<&str> = (conditions.iter())
         .map(|found| found["condition"].as_str().unwrap())
         .collect();
-    let expected = ["told nothing", "told the truth", "told as calibrated"];
+    let expected = ["actuator unmodelled", "true model", "calibrated model"];
     assert_eq!(said, expected);
     let median = |place: usize| number(&conditions[place]["mean_force_error_percent"], "median");
     assert!(median(1) < 0.5 * median(0) && median(2) < 0.5 * median(0));
@@ -57,8 +57,7 @@ fn sets_with_real_actuators_are_judged_by_what_is_told() {
     let row = rows
         .iter()
         .find(|row| {
-            (row["plant"], row["column"], row["condition"])
-                == ("1", "coupled", "told as calibrated")
+            (row["plant"], row["column"], row["condition"]) == ("1", "coupled", "calibrated model")
         })
         .unwrap();
     let single = folder.json("simulate plants/plant-0001.toml --method coupled");
@@ -191,7 +190,7 @@ fn a_delay_that_is_not_in_the_model_is_a_condition_of_its_own() {
         "{table}"
     );
     assert!(
-        last.contains("changes nothing for the other methods"),
+        last.contains("The other methods do not use the model of the delay"),
         "{table}"
     );
 }
@@ -430,7 +429,7 @@ fn hfcr_hardly_depends_on_the_start_height() {
     let table = folder.succeed(&format!("heights {scenes} --method basic"));
     for words in [
         "21 start heights within ±5 %",
-        "told 1 times",
+        "model mass 1 times",
         "Fig. 2",
         "120.05",
         "0 of 21",
@@ -501,7 +500,7 @@ fn a_renderer_can_be_told_another_mass_than_the_true_one() {
         crate::common::experiment_text("fig2")
             .replace("[renderer]", "[renderer]\ndevice_mass_kg = 0.15"),
     );
-    let report = folder.json("simulate told.toml --method hfcr --damping auto --out run.csv");
+    let report = folder.json("simulate model.toml --method hfcr --damping auto --out run.csv");
     let parameters = &of_method(&report, "hfcr")["parameters"];
     assert_eq!(number(parameters, "damping_n_s_per_m"), model);
     assert!(folder.read("run.csv").contains("renderer_device_mass_kg"));

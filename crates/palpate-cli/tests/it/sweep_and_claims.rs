@@ -49,7 +49,7 @@ fn a_sweep_over_dampings_takes_the_methods_that_have_one_and_all_heights() {
     assert_eq!(names, ["virtual-damper", "popc", "popc-ref", "hfcr"]);
     let table = folder.succeed(&format!("sweep {scene} --over damping --values 0.01"));
     for words in [
-        "damping 0.01 N s/m: floor 11.03 %",
+        "damping 0.01 N s/m: hold bound 11.03 %",
         "rebound",
         "left box s",
         "stable",
@@ -128,7 +128,7 @@ fn the_claims_are_told_with_their_numbers() {
             ("truth at 1 kHz", "does not hold"),
             ("sensitivity to b", "holds in part"),
             ("SEH almost stable", "holds in part"),
-            ("who stays in the box", "holds in part"),
+            ("safety box", "holds in part"),
         ]
     );
     for claim in claims {

@@ -66,10 +66,10 @@ fn what_cannot_be_tuned_is_an_error_that_says_why() {
     let scene = fig2();
     for (arguments, words) in [
         ("--method seh", "seh has no damping to tune"),
-        ("--method all", "tune looks at one method"),
+        ("--method all", "tune varies one method"),
         (
             "--method hfcr --damping 1",
-            "--damping is what tune looks for",
+            "--damping is the setting that tune varies",
         ),
         ("--method hfcr --from 3 --to 1", "--from 3 --to 1"),
         ("--method hfcr --to nan", "must be finite"),

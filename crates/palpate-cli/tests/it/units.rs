@@ -29,10 +29,10 @@ fn millimetres_in_a_column_of_metres_are_refused_with_the_flag_that_reads_them()
         3,
         &[
             "wrong.csv",
-            "m of hand motion in 3 s",
+            "m path in 3 s",
             "is the unit mm?",
             "--unit mm",
-            "--unit m says",
+            "in metres, pass --unit m",
         ],
     );
     // An explicit unit is accepted.
@@ -111,7 +111,7 @@ fn a_recorders_table_is_read_as_flags_say_and_never_guessed() {
     folder.fail(
         &format!("{render} --columns w=X"),
         2,
-        &["--columns", "allowed are t, x, force"],
+        &["--columns", "allowed: t, x, force"],
     );
     let report = folder.json(&format!("{render} {flags} --time-unit ms"));
     let leak = |report| number(of_method(report, "basic"), "leak_held_j");

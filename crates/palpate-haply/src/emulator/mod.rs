@@ -6,4 +6,3 @@
 pub mod inverse3;
 #[cfg(unix)]
 pub mod two_diy;
-

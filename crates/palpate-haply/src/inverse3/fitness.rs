@@ -19,17 +19,17 @@ pub enum Unfit {
     #[error("it is not ready: wait until its light is steady, or restart the service")]
     NotReady,
     /// Another program commands the device, and forces of two programs add up.
-    #[error("another program commands it: end that one first")]
+    #[error("another program commands it: end that program first")]
     InUse,
     /// A device model with unknown limits.
-    #[error("it is no Inverse3, and its limits are not known here")]
+    #[error("it is not an Inverse3; its limits are unknown")]
     OtherModel,
 }
 
 impl Unfit {
     /// Returns the reason by the status in every frame, or `None` if the device is ready.
     #[must_use]
-    pub fn of(status: &Status) -> Option<Self> {
+    pub fn new(status: &Status) -> Option<Self> {
         let no = Some(false);
         [
             (status.power_supply == no, Self::NoPower),
@@ -51,7 +51,7 @@ impl Unfit {
         );
         (!known)
             .then_some(Self::OtherModel)
-            .or(Self::of(&device.status))
+            .or(Self::new(&device.status))
             .or((device.status.in_use == Some(true)).then_some(Self::InUse))
     }
 
@@ -60,11 +60,11 @@ impl Unfit {
     pub fn text(self) -> &'static str {
         match self {
             Self::NoPower => "the Inverse3 lost the power of its motors",
-            Self::NotStarted => "the service no longer talks to the Inverse3",
+            Self::NotStarted => "the service has stopped the Inverse3",
             Self::NotCalibrated => "the Inverse3 is no longer calibrated",
             Self::NotReady => "the Inverse3 is no longer ready",
             Self::InUse => "another program commands the Inverse3",
-            Self::OtherModel => "the device is no Inverse3",
+            Self::OtherModel => "the device is not an Inverse3",
         }
     }
 }

@@ -206,7 +206,7 @@ pub enum FrameError {
         field: &'static str,
     },
     /// A value that no such device can reach.
-    #[error("device {device}: {field} is {value}; believed: {allowed}")]
+    #[error("device {device}: {field} is {value}; allowed: {allowed}")]
     Absurd {
         /// Device id.
         device: String,
@@ -355,8 +355,8 @@ impl<'de> Deserialize<'de> for Devices {
 
             fn visit_map<A: MapAccess<'de>>(self, _: A) -> Result<Devices, A::Error> {
                 Err(A::Error::custom(
-                    "devices by name are the interface of 3.0; this one needs 3.1 or later, \
-                     which answers on port 10001",
+                    "devices are keyed by name, as in interface 3.0; version 3.1 or later is required, on port \
+                     10001",
                 ))
             }
 

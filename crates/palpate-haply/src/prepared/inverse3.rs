@@ -1,8 +1,8 @@
 //! An Inverse3 that reports connection faults when it is dropped.
 
+use crate::inverse3::{Inspector, Inverse3};
 use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter};
-use crate::inverse3::{Inspector, Inverse3};
 
 /// Returns a name of the Inverse3 that is the same for two addresses of one service.
 #[must_use]
@@ -66,10 +66,10 @@ impl<C> Drop for Overheard<C> {
         }
         let counts = self.inspector.counts();
         let said: Vec<String> = [
-            (counts.late, "came late"),
-            (counts.lost, "never came"),
-            (counts.surplus, "answered nothing"),
-            (counts.garbage, "were no frames"),
+            (counts.late, "late"),
+            (counts.lost, "lost"),
+            (counts.surplus, "surplus"),
+            (counts.garbage, "invalid"),
         ]
         .iter()
         .filter(|(count, _)| *count > 0)
@@ -77,7 +77,7 @@ impl<C> Drop for Overheard<C> {
         .collect();
         if !said.is_empty() {
             (self.tell)(format!(
-                "of the service's answers to {} messages {}",
+                "answers of the service to {} messages: {}",
                 counts.sent,
                 said.join(", ")
             ));

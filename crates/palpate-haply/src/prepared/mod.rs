@@ -14,4 +14,3 @@ pub mod two_diy;
 
 pub use placed::{Axis, FIRST_AXIS, PlaceError, Placed, WorldPlaceError, axis, world_frame};
 pub use reconnecting::{Reconnecting, Reopen};
-

@@ -44,7 +44,7 @@ pub enum PlaceError {
         device: String,
     },
     /// The normal has zero length or is not finite.
-    #[error("no direction; allowed: any that is finite and not 0 in all axes")]
+    #[error("not a direction; allowed: finite, and not 0 in all axes")]
     NoDirection,
     /// The origin is invalid.
     #[error("{0}")]

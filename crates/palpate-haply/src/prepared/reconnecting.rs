@@ -142,7 +142,7 @@ impl Device for Reconnecting {
         let Some(device) = &mut self.device else {
             return Err(DeviceError::new(
                 DeviceErrorKind::NothingNew,
-                "the device is gone, and waited for",
+                "the device is gone; waiting for it",
             ));
         };
         device.read().map_err(|error| {

@@ -39,16 +39,19 @@ pub fn try_out(command: Command, limit: Duration, rounds: usize) -> Result<Tried
     let account = Arc::new(WatchdogAccount::default());
     let watchdog = Watchdog::start(command, port.as_fd(), &orders, Arc::clone(&account))
         .map_err(|error| error.to_string())?;
-    let gone = |_| "it ended by itself".to_owned();
+    let gone = |_| "the process ended unexpectedly".to_owned();
     let mut late = Vec::with_capacity(rounds);
     for _ in 0..rounds {
         watchdog.force().map_err(gone)?;
         let spoken = Instant::now();
         match board.read(&mut [0; 1]) {
             Ok(1) => late.push(spoken.elapsed().saturating_sub(limit)),
-            Ok(_) => return Err("it ended by itself".to_owned()),
+            Ok(_) => return Err("the process ended unexpectedly".to_owned()),
             Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                return Err(format!("it did nothing for {} s", PATIENCE.as_secs()));
+                return Err(format!(
+                    "no zero-force command within {} s",
+                    PATIENCE.as_secs()
+                ));
             }
             Err(error) => return Err(error.to_string()),
         }

@@ -5,11 +5,11 @@ use std::process::Command;
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::two_diy::{Board, Calibration, Generation, Options, TwoDiy, ports};
 use palpate_device::clock::Clock;
 use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
 };
-use crate::two_diy::{Board, Calibration, Generation, Options, TwoDiy, ports};
 use palpate_rt::watchdog::{WatchdogAccount, WatchdogError};
 
 use crate::prepared::Axis;
@@ -82,8 +82,8 @@ pub enum OpenError {
     Device(crate::two_diy::OpenError),
     /// The watchdog process could not be started.
     #[error(
-        "no watchdog: {0}. If this program is killed or stopped, only a watchdog takes the force off this device, which \
-         holds it"
+        "no watchdog: {0}. This device holds its last force: if this program is killed or stopped, only a watchdog \
+         sets it to 0"
     )]
     Watchdog(WatchdogError),
 }
@@ -121,8 +121,8 @@ impl Setup {
         clock: C,
         guard: Option<Guard>,
     ) -> Result<TwoDiy<C>, OpenError> {
-        let options =
-            Options::of(self.generation, self.calibration, period).map_err(OpenError::StartPose)?;
+        let options = Options::new(self.generation, self.calibration, period)
+            .map_err(OpenError::StartPose)?;
         let options = Options {
             board: self.board,
             ..options

@@ -118,8 +118,7 @@ const SILENT: DeviceError = DeviceError {
 };
 const FULL: DeviceError = DeviceError {
     kind: DeviceErrorKind::Refused,
-    what: "the serial port takes no bytes; no force follows as soon as it does, until then the \
-           board may hold its last torque",
+    what: "the serial port accepts no bytes; the board may hold its last torque until it accepts zero force",
 };
 
 /// Error for a lost watchdog process.
@@ -128,12 +127,11 @@ fn unguarded(how: Unguarded) -> DeviceError {
         kind: DeviceErrorKind::Refused,
         what: match how {
             Unguarded::Ended => {
-                "the watchdog has ended, which takes the torque off if this program is killed: no \
-                 force without it"
+                "the watchdog has ended; no force without it, because a killed program would leave the torque on"
             }
             Unguarded::NotListening => {
-                "the watchdog is there and does not listen, which takes the torque off if this \
-                 program is killed: no force without it"
+                "the watchdog does not respond; no force without it, because a killed program would leave the \
+                 torque on"
             }
         },
     }
@@ -416,15 +414,13 @@ impl<C> TwoDiy<C> {
             }
             Trust::Counters => {}
             Trust::Astray(last_byte) if last_byte.elapsed() < QUIET => {
-                return Err(
-                    self.missing("what came is no answer; waiting for the board to be quiet")
-                );
+                return Err(self.missing("invalid answer; waiting for the board to be quiet"));
             }
             Trust::Astray(_) => {
                 self.start_over();
                 self.trust = Trust::Tried(None);
                 self.line.ask().map_err(DeviceError::from)?;
-                return Err(self.missing("the board is being tried"));
+                return Err(self.missing("the board is being tested"));
             }
             Trust::Tried(None) => {
                 if self.unanswered() == 0 {
@@ -432,17 +428,17 @@ impl<C> TwoDiy<C> {
                 } else {
                     self.behind.get_or_insert_with(Instant::now);
                 }
-                return Err(self.missing("the board is being tried"));
+                return Err(self.missing("the board is being tested"));
             }
             Trust::Tried(Some(answered)) if answered.elapsed() < QUIET => {
-                return Err(self.missing("the board is being tried"));
+                return Err(self.missing("the board is being tested"));
             }
             Trust::Tried(Some(_)) => self.trust = Trust::Counters,
         }
         if self.unanswered() < MAX_UNANSWERED {
             match self.line.ask() {
                 Ok(()) => {}
-                Err(Unsent::Full) => return Err(self.missing("the serial port takes no bytes")),
+                Err(Unsent::Full) => return Err(self.missing("the serial port accepts no bytes")),
                 Err(unsent) => return Err(unsent.into()),
             }
         }
@@ -461,7 +457,7 @@ impl<C> TwoDiy<C> {
             self.line.serial().wait_readable(left);
             newest = self.listen()?.or(newest);
             if self.trust != Trust::Counters {
-                return Err(self.missing("what the board sent is no answer"));
+                return Err(self.missing("the board sent an invalid answer"));
             }
         }
         match newest {
@@ -474,7 +470,7 @@ impl<C> TwoDiy<C> {
 impl From<Unsent> for DeviceError {
     fn from(unsent: Unsent) -> Self {
         match unsent {
-            Unsent::Busy => nothing_new("somebody else is commanding no force"),
+            Unsent::Busy => nothing_new("another thread commands zero force"),
             Unsent::Full => FULL,
             Unsent::Gone => GONE,
             Unsent::Unguarded(how) => unguarded(how),
@@ -543,7 +539,7 @@ impl<C: Clock> Device for TwoDiy<C> {
                     NoPose::OutOfReach => {
                         "angles outside the workspace; was the arm in its start pose?"
                     }
-                    NoPose::Singular => "the arm is in a singular pose, where it can make no force",
+                    NoPose::Singular => "the arm is in a singular pose and cannot exert a force",
                 }))
             }
         }

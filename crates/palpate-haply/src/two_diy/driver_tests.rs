@@ -7,8 +7,8 @@ use palpate_device::clock::MonotonicClock;
 use super::super::packet::STATE_LENGTH;
 use super::super::serial::Serial;
 use super::*;
-use crate::two_diy::Generation;
 use crate::emulator::two_diy::Pty;
+use crate::two_diy::Generation;
 
 const START: [f32; 2] = [130.0, 50.0];
 /// Time that the driver waits for an answer that a test does not send.
@@ -358,7 +358,7 @@ fn a_board_whose_encoders_slip_is_not_gone_and_says_so() {
         }
         let error = error.unwrap();
         assert_eq!(error.kind, DeviceErrorKind::Refused);
-        assert!(error.what.contains("slipped"), "{}", error.what);
+        assert!(error.what.contains("lost counts"), "{}", error.what);
         // Missing answers do not make the device gone before one second has passed.
         for _ in 0..GONE_AFTER_READS {
             played.reads([START[0] - 60.0, START[1]]).unwrap_err();
@@ -395,7 +395,7 @@ fn heard(mut socket: &std::os::unix::net::UnixStream) -> String {
 }
 
 #[test]
-fn a_guardian_hears_of_every_torque_and_once_of_none() {
+fn a_watchdog_hears_of_every_torque_and_once_of_none() {
     let mut played = Played::new();
     let socket = guarded(&played);
     assert!(played.reads(START).is_ok());
@@ -412,7 +412,7 @@ fn a_guardian_hears_of_every_torque_and_once_of_none() {
 /// The packet of the watchdog process may interrupt a packet of the driver, so the driver commands zero torque again
 /// with a packet that the board accepts in any state. The device then recovers.
 #[test]
-fn a_loop_that_a_guardian_has_cut_drops_what_it_had_begun_and_comes_back() {
+fn a_loop_that_a_watchdog_has_cut_drops_what_it_had_begun_and_comes_back() {
     use std::io::Write;
     let mut played = Played::new();
     let mut socket = guarded(&played);
@@ -461,7 +461,7 @@ fn without_its_watchdog_a_device_gives_no_torque_and_says_so() {
 
 /// A stopped watchdog process: its socket fills up.
 #[test]
-fn a_guardian_that_does_not_listen_is_told_from_one_that_has_ended() {
+fn a_watchdog_that_does_not_listen_is_told_from_one_that_has_ended() {
     let mut played = Played::new();
     let _socket = guarded(&played);
     assert!(played.reads(START).is_ok());
@@ -476,7 +476,7 @@ fn a_guardian_that_does_not_listen_is_told_from_one_that_has_ended() {
         let _ = played.reads(START);
     };
     assert_eq!(refused, unguarded(Unguarded::NotListening));
-    assert!(refused.what.contains("does not listen"), "{refused}");
+    assert!(refused.what.contains("does not respond"), "{refused}");
 }
 
 fn state_of_none(played: &Played) -> [u8; STATE_LENGTH] {

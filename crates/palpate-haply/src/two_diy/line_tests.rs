@@ -1,8 +1,8 @@
 //! Transmission with a full port, and with two threads that send at the same time.
 
 use super::*;
-use crate::two_diy::Generation;
 use crate::emulator::two_diy::Pty;
+use crate::two_diy::Generation;
 
 /// Time limit for expected events on a busy machine.
 const LIMIT: Duration = Duration::from_secs(30);

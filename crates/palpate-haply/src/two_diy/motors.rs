@@ -110,8 +110,7 @@ impl<C: Clock> TwoDiy<C> {
             before = checked;
         }
         Err(refused(
-            "one pulse says another thing than the next: let go of the arm, close other programs \
-             and try again",
+            "successive pulses disagree: release the arm, close other programs and try again",
         ))
     }
 
@@ -145,7 +144,7 @@ impl<C: Clock> TwoDiy<C> {
             }
         }
         Err(refused(
-            "this machine is too busy to give short pulses: close other programs and try again",
+            "this machine is too busy for short pulses: close other programs and try again",
         ))
     }
 
@@ -200,7 +199,7 @@ impl<C: Clock> TwoDiy<C> {
             }
         }
         Err(refused(if kept.is_some() {
-            "the arm does not come to rest: let go of it"
+            "the arm does not come to rest: release it"
         } else {
             "the board did not answer"
         }))

@@ -20,8 +20,8 @@ pub enum Implausible {
 }
 
 const LOST: Implausible = Implausible::Stays(
-    "the angles have jumped and stay so: the encoders have slipped, and lost their count; open the device anew \
-     with the arm in its start pose",
+    "the angles have jumped for good: the encoders have lost counts; reopen the device with the arm in its start \
+     pose",
 );
 
 /// Last accepted angles, and last rejected ones.

@@ -61,7 +61,7 @@ impl Options {
     ///
     /// # Errors
     /// The pose is not published for this generation, or is invalid.
-    pub fn of(
+    pub fn new(
         generation: Generation,
         calibration: Calibration,
         period: Duration,
@@ -94,7 +94,7 @@ impl Options {
 #[non_exhaustive]
 pub enum OpenError {
     /// The file does not exist.
-    #[error("{0}: there is no such port; `palpate devices` lists those that are there")]
+    #[error("{0}: no such port; `palpate devices` lists the ports")]
     NotThere(PathBuf),
     /// Permission denied.
     #[error(
@@ -112,18 +112,17 @@ pub enum OpenError {
     #[error("{0}: {1}")]
     System(PathBuf, std::io::Error),
     /// The port disappeared during opening.
-    #[error("the port went away while the device was being opened")]
+    #[error("the port disappeared while the device was being opened")]
     Gone,
     /// The port accepts no bytes.
-    #[error("the port takes no bytes: the board stands still; unplug it and plug it in again")]
+    #[error("the port accepts no bytes: the board has stalled; unplug it and plug it in again")]
     TakesNothing,
     /// There was no answer.
-    #[error("no answer: not a Haply board, or one with other firmware; it was asked as device {0}")]
+    #[error("no answer from device {0}: not a Haply board, or one with other firmware")]
     NoAnswer(u8),
     /// Bytes arrived, but not an answer.
     #[error(
-        "what came back is no answer of device {asked}: it begins with {first}; another \
-         generation, or not a Haply board"
+        "invalid answer from device {asked}: it begins with {first}; another generation, or not a Haply board"
     )]
     WrongAnswer {
         /// Requested device id.
@@ -133,8 +132,8 @@ pub enum OpenError {
     },
     /// The first byte was right, but too few or too many bytes followed.
     #[error(
-        "device {0} has answered, but not with one whole answer within a second: its bytes come late or are lost; try \
-         again, on a machine that is less busy or with another cable"
+        "device {0} sent no complete answer within a second: bytes are late or lost; try again on a less busy \
+         machine or with another cable"
     )]
     BrokenAnswer(u8),
     /// The first angles are those of another board.
@@ -152,8 +151,8 @@ pub enum OpenError {
     },
     /// The first angles do not match the start pose.
     #[error(
-        "the first angles, {} degrees, are not those of the start pose, {}: hold the \
-         arm still while the device is opened; or the counts per revolution are others",
+        "the first angles, {} degrees, are not those of the start pose, {}: hold the arm still while the device is \
+         opened, or correct the counts per revolution",
         pair(.angles), pair(.start)
     )]
     NotInPose {
@@ -163,10 +162,10 @@ pub enum OpenError {
         start: [f32; 2],
     },
     /// The start pose is invalid.
-    #[error("the start pose cannot be: {0}")]
+    #[error("invalid start pose: {0}")]
     StartPose(NoPose),
     /// The angles of the extended pose are not published for this generation.
-    #[error("the angles of the extended arm are known of generation 3 only; give them in degrees")]
+    #[error("the angles of the extended arm are known for generation 3 only; give them in degrees")]
     NotPublished,
 }
 

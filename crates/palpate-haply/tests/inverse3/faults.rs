@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Device, DeviceErrorKind};
-use palpate_haply::inverse3::{Counts, Form, Inverse3, Inverse3Options, Pace};
 use palpate_haply::emulator::inverse3::{Emulator, Fault};
+use palpate_haply::inverse3::{Counts, Form, Inverse3, Inverse3Options, Pace};
 use serde_json::json;
 use tungstenite::Message;
 
@@ -119,7 +119,7 @@ fn frames_that_are_none_for_long_are_somebodys_business() {
     }
     let error = error_under(&mut device, FORCE);
     assert_eq!(error.kind, DeviceErrorKind::Refused);
-    assert!(error.what.contains("frames that are none"), "{error}");
+    assert!(error.what.contains("invalid frames"), "{error}");
     wait_until("samples again", || device.read().is_ok());
 }
 
@@ -207,7 +207,7 @@ fn a_device_that_is_unplugged_is_gone() {
     emulator.set_present(ID, false);
     let error = error_under(&mut device, FORCE);
     assert_eq!(error.kind, DeviceErrorKind::Disconnected);
-    assert!(error.what.contains("no longer has the device"), "{error}");
+    assert!(error.what.contains("no longer lists the device"), "{error}");
     drop(device);
     emulator.set_present(ID, true);
     next(&mut open(&emulator));
@@ -227,7 +227,7 @@ fn the_events_channel_tells_why_first() {
     emulator.trigger_safety(ID, "ebrake_triggered");
     let error = error_under(&mut device, FORCE);
     assert_eq!(error.kind, DeviceErrorKind::Refused);
-    assert!(error.what.contains("own safety has acted"), "{error}");
+    assert!(error.what.contains("reports a safety stop"), "{error}");
     // The error is reported once; a loop's safety layer stays stopped.
     next(&mut device);
     emulator.set_present(ID, false);
@@ -244,7 +244,7 @@ fn the_events_channel_tells_why_first() {
     let said = Inverse3::open(&nobody, MonotonicClock::new()).unwrap_err();
     assert!(
         said.to_string()
-            .contains("nobody answers at ws://127.0.0.1:1/")
+            .contains("no answer from ws://127.0.0.1:1/")
     );
 }
 

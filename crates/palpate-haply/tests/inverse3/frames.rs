@@ -112,12 +112,12 @@ fn what_is_wrong_is_named() {
         (
             "/cursor_position/z",
             json!(2.1),
-            "device 049D: state.cursor_position is 2.1; believed: within 2 m",
+            "device 049D: state.cursor_position is 2.1; allowed: within 2 m",
         ),
         (
             "/cursor_velocity/x",
             json!(-51),
-            "device 049D: state.cursor_velocity is -51; believed: within 50 m/s",
+            "device 049D: state.cursor_velocity is -51; allowed: within 50 m/s",
         ),
         (
             "/control_mode",
@@ -135,7 +135,7 @@ fn what_is_wrong_is_named() {
     );
     let said = wrong("/inverse3", json!({ "049D": {} }));
     assert!(
-        said.contains("interface of 3.0") && said.contains("10001"),
+        said.contains("interface 3.0") && said.contains("10001"),
         "{said}"
     );
 }
@@ -167,7 +167,7 @@ fn a_device_that_cannot_be_used_is_refused_with_what_to_do() {
         let mut frame = full_3_5();
         frame["inverse3"][0]["status"][field] = json!(value);
         let device = parse(&frame).unwrap().devices()[0].clone();
-        (Unfit::at_first(&device), Unfit::of(&device.status))
+        (Unfit::at_first(&device), Unfit::new(&device.status))
     };
     for (field, value, expected, words) in [
         ("power_supply", false, Unfit::NoPower, "power supply"),

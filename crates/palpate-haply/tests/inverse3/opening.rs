@@ -4,8 +4,8 @@ use std::io::Write;
 use std::net::{Ipv6Addr, TcpListener};
 
 use palpate_device::clock::MonotonicClock;
-use palpate_haply::inverse3::{Form, Found, Inverse3, Inverse3Options, Unfit, devices};
 use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions};
+use palpate_haply::inverse3::{Form, Found, Inverse3, Inverse3Options, Unfit, devices};
 
 use crate::{ID, emulator, ms, options, wait_until};
 
@@ -26,7 +26,7 @@ fn a_service_that_is_not_there_is_said_to_be_so() {
         ..Inverse3Options::default()
     });
     assert!(
-        said.contains("nobody answers at") && said.contains("palpate emulate"),
+        said.contains("no answer from") && said.contains("palpate emulate"),
         "{said}"
     );
 }
@@ -47,7 +47,7 @@ fn somebody_else_who_answers_is_no_service() {
         service: address.to_string(),
         ..Inverse3Options::default()
     });
-    assert!(said.contains("is no Inverse Service"), "{said}");
+    assert!(said.contains("is not an Inverse Service"), "{said}");
     answering.join().unwrap();
 }
 

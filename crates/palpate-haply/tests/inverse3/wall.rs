@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
-use palpate_haply::inverse3::{Form, Inspector, Inverse3};
 use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault, Latency, holding};
+use palpate_haply::inverse3::{Form, Inspector, Inverse3};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::{SafetyParams, SafetyStop};
 use palpate_rt::{
@@ -233,7 +233,7 @@ fn what_stays_ends_the_run_with_its_reason_and_it_can_be_run_again() {
         (Some(Fault::Disconnect), "connection"),
         (Some(Fault::HalfBytes), "connection"),
         (Some(Fault::Close), "has closed the connection"),
-        (None, "no longer has the device"),
+        (None, "no longer lists the device"),
     ] {
         emulator.set_present(ID, true);
         let run = Run::on(&emulator);

@@ -59,7 +59,7 @@ fn with(fault: Fault, comes_back: bool) -> Ran {
     let (mut ticks, mut notes) = (Vec::new(), Vec::new());
     for messages in listener {
         match messages {
-            Message::Tick(tick, contacts, _, _) => ticks.extend(Row::of(tick, &contacts)),
+            Message::Tick(tick, contacts, _, _) => ticks.extend(Row::new(tick, &contacts)),
             Message::Note(noted) => notes.push(noted),
         }
     }
@@ -185,7 +185,7 @@ fn encoders_that_lose_count_end_the_force_until_somebody_looks() {
         "{:?}",
         ran.notes
     );
-    assert!(ran.said("jumped and stay"), "{:?}", ran.notes);
+    assert!(ran.said("jumped for good"), "{:?}", ran.notes);
     ran.no_force_after_two_periods("slip");
     assert_eq!(ran.ticks.last().unwrap().contact.force_on_device, 0.0);
 }
@@ -235,7 +235,7 @@ fn a_cable_that_is_pulled_ends_the_run_and_can_be_put_back() {
         reason = "angles on the wire are f32"
     )]
     let calibration = Calibration::At(angles.map(|angle| angle as f32));
-    let options = Options::of(Generation::Three, calibration, SLOW).unwrap();
+    let options = Options::new(Generation::Three, calibration, SLOW).unwrap();
     let mut device = TwoDiy::open(&link, &options, clock).unwrap();
     let position = sample(&mut device).position;
     assert!(

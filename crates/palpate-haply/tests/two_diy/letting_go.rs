@@ -161,7 +161,7 @@ fn the_zero_writer_waits_for_nobody() {
 
 /// Without its watchdog process a device is not opened: it is closed again, holds zero torque and frees its port.
 #[test]
-fn a_device_whose_guardian_cannot_be_started_is_closed_again() {
+fn a_device_whose_watchdog_cannot_be_started_is_closed_again() {
     let _alone = alone();
     let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
     for (program, words) in [

@@ -17,8 +17,8 @@ use std::time::{Duration, Instant};
 use palpate::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Device, DeviceErrorKind, Pose};
-use palpate_haply::two_diy::{Board, Calibration, Generation, OpenError, Options, TwoDiy};
 use palpate_haply::emulator::two_diy::{Did, Emulator, Hand, PortSettings, Seen, Settings};
+use palpate_haply::two_diy::{Board, Calibration, Generation, OpenError, Options, TwoDiy};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
 
@@ -41,7 +41,7 @@ fn in_the_middle(hand: Hand) -> Settings {
     Settings {
         angles: Some(MIDDLE.map(f64::from)),
         hand,
-        ..Settings::of(Generation::Three, Board::M0)
+        ..Settings::new(Generation::Three, Board::M0)
     }
 }
 
@@ -69,7 +69,7 @@ fn open_in_the_middle(emulator: &Emulator, period: Duration) -> TwoDiy<Monotonic
 
 fn open_at(port: &Path, period: Duration) -> Result<TwoDiy<MonotonicClock>, OpenError> {
     let calibration = Calibration::At(MIDDLE);
-    let options = Options::of(Generation::Three, calibration, period).unwrap();
+    let options = Options::new(Generation::Three, calibration, period).unwrap();
     TwoDiy::open(port, &options, clock())
 }
 

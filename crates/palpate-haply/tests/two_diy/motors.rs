@@ -1,5 +1,5 @@
-use palpate_haply::two_diy::{Unchecked, Verdict};
 use palpate_haply::emulator::two_diy::{Fault, Wiring};
+use palpate_haply::two_diy::{Unchecked, Verdict};
 use palpate_rt::StopFlag;
 
 use super::*;
@@ -40,10 +40,10 @@ fn motors_that_are_wired_wrong_are_found() {
     ] {
         let emulator = Emulator::start(&on_a_socket(Settings {
             wiring,
-            ..Settings::of(generation, generation.usual_board())
+            ..Settings::new(generation, generation.usual_board())
         }))
         .unwrap();
-        let options = Options::of(generation, Calibration::Retracted, SLOW).unwrap();
+        let options = Options::new(generation, Calibration::Retracted, SLOW).unwrap();
         let mut device = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
         // On a busy machine the emulated arm may stall during a pulse. A wiring error persists, so it is found in the
         // second or third check.
@@ -72,14 +72,14 @@ fn motors_that_are_wired_wrong_are_found() {
 #[test]
 fn a_check_gets_over_answers_that_are_lost() {
     let _alone = alone();
-    let emulator = Emulator::start(&on_a_socket(Settings::of(
+    let emulator = Emulator::start(&on_a_socket(Settings::new(
         Generation::Three,
         palpate_haply::two_diy::Board::M0,
     )))
     .unwrap();
     // Short patience, so that a lost answer counts as many missing samples.
     let period = Duration::from_millis(2);
-    let options = Options::of(Generation::Three, Calibration::Retracted, period).unwrap();
+    let options = Options::new(Generation::Three, Calibration::Retracted, period).unwrap();
     let mut device = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
     // A board counts as silent one second after its last good answer.
     std::thread::sleep(Duration::from_millis(1100));

@@ -1,8 +1,8 @@
 use std::io::{Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 
-use palpate_haply::two_diy::LARGEST_TORQUE;
 use palpate_haply::emulator::two_diy::Wiring;
+use palpate_haply::two_diy::LARGEST_TORQUE;
 use palpate_testbed::pantograph::kinematics::Geometry;
 
 use super::*;
@@ -16,12 +16,12 @@ fn every_generation_opens_on_every_board_and_makes_the_force_it_is_asked_for() {
                 let what = format!("{generation:?} {board:?} strict {strict}");
                 let emulator = Emulator::start(&on_a_socket(Settings {
                     strict,
-                    ..Settings::of(generation, board)
+                    ..Settings::new(generation, board)
                 }))
                 .unwrap();
                 let options = Options {
                     board: Some(board),
-                    ..Options::of(generation, Calibration::Retracted, SLOW).unwrap()
+                    ..Options::new(generation, Calibration::Retracted, SLOW).unwrap()
                 };
                 let mut device =
                     TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
@@ -77,8 +77,8 @@ fn the_board_is_found_by_its_first_angles() {
         // 180 and 0 degrees are whole counts of every board.
         (Generation::One, Board::M0, Board::M3),
     ] {
-        let emulator = Emulator::start(&Settings::of(generation, board)).unwrap();
-        let options = Options::of(generation, Calibration::Retracted, SLOW).unwrap();
+        let emulator = Emulator::start(&Settings::new(generation, board)).unwrap();
+        let options = Options::new(generation, Calibration::Retracted, SLOW).unwrap();
         let device = open_on_a_terminal(&emulator.path(), &options);
         assert_eq!(device.board(), found, "{generation:?} {board:?}");
     }
@@ -87,11 +87,11 @@ fn the_board_is_found_by_its_first_angles() {
 #[test]
 fn a_board_told_wrong_and_a_device_that_is_not_there_are_named() {
     let _alone = alone();
-    let settings = on_a_socket(Settings::of(Generation::Three, Board::M3));
+    let settings = on_a_socket(Settings::new(Generation::Three, Board::M3));
     let emulator = Emulator::start(&settings).unwrap();
     let options = Options {
         board: Some(Board::M0),
-        ..Options::of(Generation::Three, Calibration::Retracted, SLOW).unwrap()
+        ..Options::new(Generation::Three, Calibration::Retracted, SLOW).unwrap()
     };
     let open = |path: &std::path::Path, options: &Options| {
         TwoDiy::open(path, options, MonotonicClock::new()).unwrap_err()
@@ -111,12 +111,12 @@ fn a_board_told_wrong_and_a_device_that_is_not_there_are_named() {
     assert!(matches!(missing, OpenError::NotThere(_)), "{missing}");
     let file = open(env!("CARGO_MANIFEST_PATH").as_ref(), &options);
     assert!(matches!(file, OpenError::NotSerial(_)), "{file}");
-    let extended = Options::of(Generation::Two, Calibration::Extended, SLOW).unwrap_err();
+    let extended = Options::new(Generation::Two, Calibration::Extended, SLOW).unwrap_err();
     assert!(matches!(extended, OpenError::NotPublished), "{extended}");
     let unreachable = Calibration::At([180.0, 10.0]);
-    let pose = Options::of(Generation::One, unreachable, SLOW);
+    let pose = Options::new(Generation::One, unreachable, SLOW);
     assert!(pose.is_ok(), "{pose:?}");
-    let singular = Options::of(Generation::Two, Calibration::At([90.0, 90.0]), SLOW);
+    let singular = Options::new(Generation::Two, Calibration::At([90.0, 90.0]), SLOW);
     assert!(
         matches!(singular, Err(OpenError::StartPose(_))),
         "{singular:?}"
@@ -190,7 +190,7 @@ fn an_answer_that_is_not_whole_is_told_from_one_of_another_device() {
 fn a_port_belongs_to_one_program_at_a_time() {
     let _alone = alone();
     let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
-    let options = Options::of(Generation::Three, Calibration::At(MIDDLE), SLOW).unwrap();
+    let options = Options::new(Generation::Three, Calibration::At(MIDDLE), SLOW).unwrap();
     let device = open_on_a_terminal(&emulator.path(), &options);
     let set_up = || {
         let seen = emulator.seen();
@@ -268,7 +268,7 @@ fn a_wrong_start_pose_is_no_secret_of_the_wiring() {
         ..in_the_middle(Hand::Push([30.0, 0.0]))
     }))
     .unwrap();
-    let options = Options::of(Generation::Three, Calibration::At(MIDDLE), SLOW).unwrap();
+    let options = Options::new(Generation::Three, Calibration::At(MIDDLE), SLOW).unwrap();
     let error = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap_err();
     assert!(matches!(error, OpenError::NotInPose { .. }), "{error}");
 }

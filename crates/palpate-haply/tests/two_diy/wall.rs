@@ -27,7 +27,7 @@ fn a_wall_holds_a_hand() {
     assert!(is_none(emulator.torques()));
     let ticks: Vec<_> = listener
         .filter_map(|messages| match messages {
-            Message::Tick(tick, contacts, _, _) => Row::of(tick, &contacts).next(),
+            Message::Tick(tick, contacts, _, _) => Row::new(tick, &contacts).next(),
             Message::Note(_) => None,
         })
         .collect();

@@ -82,7 +82,7 @@ async fn converse(
             }
             next = seat.queue.recv() => {
                 if seat.is_given_up.load(Ordering::Acquire) {
-                    return Some(away(CloseCode::Again, "too slow for what is told here"));
+                    return Some(away(CloseCode::Again, "the client reads too slowly"));
                 }
                 let Some(outgoing) = next else {
                     return Some(away(CloseCode::Away, "palpate live has ended"));
@@ -106,7 +106,7 @@ async fn converse(
                     Ok(Message::Text(text)) if text.len() <= LONGEST => text,
                     Ok(Message::Text(_)) => return Some(too_long()),
                     Ok(Message::Binary(_)) => {
-                        return Some(away(CloseCode::Unsupported, "text is needed"));
+                        return Some(away(CloseCode::Unsupported, "binary messages are not allowed"));
                     }
                     Ok(Message::Ping(_) | Message::Pong(_) | Message::Frame(_)) => continue,
                     Ok(Message::Close(_)) => return None,
@@ -136,14 +136,14 @@ fn away(code: CloseCode, reason: &'static str) -> SentAway {
 }
 
 fn too_long() -> SentAway {
-    away(CloseCode::Size, "a message may have 4096 bytes")
+    away(CloseCode::Size, "a message may have at most 4096 bytes")
 }
 
 /// Returns the close frame for an unreadable message, if its sender is still connected.
 fn wrong(error: &Error) -> Option<SentAway> {
     match error {
         Error::Capacity(_) => Some(too_long()),
-        Error::Utf8(_) => Some(away(CloseCode::Invalid, "a text is UTF-8")),
+        Error::Utf8(_) => Some(away(CloseCode::Invalid, "text must be UTF-8")),
         _ => None,
     }
 }

@@ -19,15 +19,15 @@ pub struct Refusal(pub StatusCode, pub &'static str);
 
 const MISDIRECTED: Refusal = Refusal(
     StatusCode::MISDIRECTED_REQUEST,
-    "this server is not called that; `palpate live --allow-host NAME` lets it be\n",
+    "unknown host name; `palpate live --allow-host NAME` allows it\n",
 );
 const FOREIGN: Refusal = Refusal(
     StatusCode::FORBIDDEN,
-    "a page of another server may not look in here\n",
+    "pages of another origin are not allowed\n",
 );
 const NO_TOKEN: Refusal = Refusal(
     StatusCode::UNAUTHORIZED,
-    "the address that `palpate live` has printed ends with a token, and it is needed\n",
+    "the token is missing or wrong; open the address that `palpate live` has printed\n",
 );
 
 impl Gate {

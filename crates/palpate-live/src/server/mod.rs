@@ -57,10 +57,10 @@ pub enum ListenError {
         source: io::Error,
     },
     /// There is no thread to serve on.
-    #[error("no thread to serve on: {0}")]
+    #[error("no thread for the server: {0}")]
     Thread(io::Error),
     /// No token can be made.
-    #[error("the system has no randomness for a token: {0}")]
+    #[error("cannot generate a random token: {0}")]
     Randomness(getrandom::Error),
 }
 
@@ -310,7 +310,7 @@ fn route(
         served.gate.has_token(request.uri())?;
     }
     if request.method() != Method::GET {
-        let text = "only GET is answered here\n";
+        let text = "only GET is allowed\n";
         return Err(Refusal(StatusCode::METHOD_NOT_ALLOWED, text));
     }
     if let Some(file) = page {
@@ -324,11 +324,11 @@ fn route(
     }
     served.gate.origin(request.headers(), host)?;
     let Some(place) = ClientSlot::take(served) else {
-        let text = "64 clients are served already\n";
+        let text = "the limit of 64 clients is reached\n";
         return Err(Refusal(StatusCode::SERVICE_UNAVAILABLE, text));
     };
     let Some((response, socket)) = upgrade::upgrade(request) else {
-        let text = "this is for a WebSocket\n";
+        let text = "a WebSocket upgrade is required\n";
         return Err(Refusal(StatusCode::BAD_REQUEST, text));
     };
     tokio::spawn(async move {

@@ -30,7 +30,7 @@ impl Carried {
     }
 
     fn device(&mut self) -> Result<&mut Box<dyn Device>, DeviceError> {
-        let gone = DeviceError::new(DeviceErrorKind::Disconnected, "it was given back");
+        let gone = DeviceError::new(DeviceErrorKind::Disconnected, "the device was returned");
         self.device.as_mut().ok_or(gone)
     }
 }

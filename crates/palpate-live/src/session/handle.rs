@@ -47,7 +47,7 @@ impl<End: Send + 'static> Session<End> {
         let thread = Builder::new()
             .name("palpate scope".to_owned())
             .spawn(move || take_turns(running, &incoming, &model))
-            .map_err(|error| format!("no thread for the scope: {error}"))?;
+            .map_err(|error| format!("no thread for the live view: {error}"))?;
         Ok(Self {
             thread: Some(thread),
             stop,

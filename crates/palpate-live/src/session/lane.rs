@@ -170,7 +170,7 @@ impl Lane {
         }
         self.account.tick(tick, contacts);
         // The page draws the first contact.
-        if let Some(row) = Row::of(*tick, contacts).next() {
+        if let Some(row) = Row::new(*tick, contacts).next() {
             self.rows.add(&row);
         }
         if let Some(recording) = &mut self.recording {
@@ -328,12 +328,12 @@ impl Lane {
             supervisor_cuts: cuts,
             lateness_s: spread(&self.statistics.lateness),
             tick_s: spread(&self.statistics.tick),
-            unmodelled: self.unmodelled(),
+            unsent: self.unsent(),
         }
     }
 
     /// Returns the number of lost ticks; the most recent ones are known only after the loop has ended.
-    fn unmodelled(&self) -> u64 {
+    fn unsent(&self) -> u64 {
         let made = self.end.as_ref().map_or(0, |end| end.statistics.ticks);
         self.heard.missing + made.saturating_sub(self.heard.next)
     }

@@ -45,7 +45,7 @@ const BEGINNINGS: (f64, f64) = (8.0, 4.0);
 const REACH: f64 = 1.0;
 
 /// ServerMessage of a request that would begin the loops again too soon.
-const TOO_OFTEN: &str = "the loops begin anew too often; allowed: 4 times each second";
+const TOO_OFTEN: &str = "restarts are too frequent; allowed: 4 per second";
 
 /// Command to the session.
 #[derive(Clone, Debug)]
@@ -170,9 +170,11 @@ impl Turns for Running {
             ClientRequest::Hand(target) => ("hand", self.lead(client, target)),
             ClientRequest::Tool { .. } => (
                 "tool",
-                Err("one contact is led by `hand`, with one number".to_owned()),
+                Err("one contact needs `hand`, with one number".to_owned()),
             ),
-            ClientRequest::Turn { .. } => ("turn", Err("one contact turns nothing".to_owned())),
+            ClientRequest::Turn { .. } => {
+                ("turn", Err("one contact has no orientation".to_owned()))
+            }
             ClientRequest::Set(set) => ("set", self.set(&set)),
             ClientRequest::Restart => ("restart", self.restart_if_allowed()),
             ClientRequest::Rearm(lane) => ("rearm", self.rearm(lane)),
@@ -200,13 +202,13 @@ impl Turns for Running {
     fn listen(&mut self) {
         let mut texts = Vec::new();
         let mut changed = false;
-        for ((index, lane), (pace, unmodelled)) in
+        for ((index, lane), (pace, unsent)) in
             self.lanes.iter_mut().enumerate().zip(&mut self.notes)
         {
             let has_ended = lane.listen(|noted| {
                 // A client that causes many notes must not overload the queues of the others.
                 if !pace.take(Instant::now()) {
-                    *unmodelled += 1;
+                    *unsent += 1;
                     return;
                 }
                 let event = noted.event();
@@ -225,7 +227,7 @@ impl Turns for Running {
             // The code that stops a loop sends its own message.
             let is_over = |end: &&lane::Ended| end.ending != LoopEnding::Stopped;
             if has_ended && let Some(end) = lane.end().filter(is_over) {
-                let mut text = format!("lane {}: {}", index + 1, end.ending.text());
+                let mut text = format!("rendering {}: {}", index + 1, end.ending.text());
                 if let Some(words) = &end.panic {
                     text = format!("{text}: {words}");
                 }
@@ -288,16 +290,16 @@ impl Running {
     /// Sends the number of suppressed notes of each rendering as soon as the rate limit permits.
     fn send_pending(&mut self) {
         for (index, lane) in self.lanes.iter().enumerate() {
-            let Some((pace, unmodelled)) = self.notes.get_mut(index) else {
+            let Some((pace, unsent)) = self.notes.get_mut(index) else {
                 continue;
             };
-            if *unmodelled > 0 && pace.take(Instant::now()) {
-                let text = format!("and {unmodelled} more, which recordings have");
-                *unmodelled = 0;
+            if *unsent > 0 && pace.take(Instant::now()) {
+                let text = format!("{unsent} further events are in recordings only");
+                *unsent = 0;
                 let note = ServerMessage::Note {
                     lane: index,
                     t_s: lane.time(),
-                    kind: "unmodelled",
+                    kind: "unsent",
                     text: &text,
                 };
                 self.hub.tell_all(note.text());
@@ -308,8 +310,7 @@ impl Running {
     fn lead(&mut self, client: ClientId, target: Option<f64>) -> Result<(), String> {
         let Some(hand) = &self.setup.hand else {
             return Err(
-                "this device is in a hand of its own; only the device `pointer` is led \
-                        by a page"
+                "this device has its own hand; only the device `pointer` is moved from a page"
                     .to_owned(),
             );
         };

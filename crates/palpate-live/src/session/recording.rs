@@ -292,7 +292,11 @@ mod tests {
                 "{name}"
             );
             let here = read.counted.unwrap();
-            assert_eq!(here.ending.as_deref(), Some("its time was over"), "{name}");
+            assert_eq!(
+                here.ending.as_deref(),
+                Some("the duration is over"),
+                "{name}"
+            );
             // The loop's times are not those of a part of it.
             assert_eq!(here.time, from_the_start.then_some(counted.time), "{name}");
         }

@@ -102,7 +102,7 @@ pub struct Setup {
 
 impl Running {
     pub(super) fn new(setup: Setup, stop: StopFlag, hub: Arc<Hub>) -> Self {
-        let settings = Settings::of(&setup.scene, &setup.methods);
+        let settings = Settings::new(&setup.scene, &setup.methods);
         let mut limits = Limits::around(&settings, &setup.scene);
         if !setup.devices.any_period() {
             limits.period_s = [settings.period; 2];
@@ -137,7 +137,7 @@ impl Running {
         self.stop_lanes();
         if was_recording {
             self.end_recordings();
-            let text = "the recording ended with the loop; it can be begun anew";
+            let text = "the recording ended with the loop; a new one can be started";
             self.tell_note("recording", text);
         }
         let at = self.lanes.first().and_then(Lane::position);
@@ -283,13 +283,13 @@ impl Running {
     /// Starts a recording of every rendering.
     pub(super) fn record(&mut self) -> Result<(), String> {
         if self.lanes.iter().any(|lane| lane.recording().is_some()) {
-            return Err("a recording is being made; end it first".to_owned());
+            return Err("a recording is running; end it first".to_owned());
         }
         if !self.lanes.iter().any(Lane::is_running) {
             return Err("the loop is over; restart it first".to_owned());
         }
         if !self.recordings.take(Instant::now()) {
-            return Err("recordings begin too often; allowed: 4 each second".to_owned());
+            return Err("recordings start too often; allowed: 4 per second".to_owned());
         }
         let name = self.free_name();
         self.recording_failed = None;

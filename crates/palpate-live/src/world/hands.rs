@@ -109,7 +109,7 @@ impl Hands {
         let led = self.of(device)?;
         let hand = led.hand()?;
         if !led.turns {
-            return Err("this device has three axes, and turns nothing".into());
+            return Err("this device has three axes and no orientation".into());
         }
         match orientation {
             None => hand.turn_back(),
@@ -141,7 +141,7 @@ impl Hands {
 impl Led {
     fn hand(&self) -> Result<SpatialHand, String> {
         let hand = self.hand.clone();
-        hand.ok_or_else(|| "this device is not led from here; --device pointer is".into())
+        hand.ok_or_else(|| "this device cannot be moved from the page; use --device pointer".into())
     }
 }
 
@@ -187,7 +187,10 @@ mod tests {
         let client = Hub::default().join().id;
         assert!(!hands.are_all_led());
         let refused = hands.lead(client, 1, Some([0.0; 3])).unwrap_err();
-        assert!(refused.contains("not led from here"), "{refused}");
+        assert!(
+            refused.contains("cannot be moved from the page"),
+            "{refused}"
+        );
         let refused = hands.lead(client, 2, None).unwrap_err();
         assert_eq!(refused, "device is 2; allowed: 0 to 1");
         let refused = hands.lead(client, 0, Some([2.0, 0.0, 0.0])).unwrap_err();

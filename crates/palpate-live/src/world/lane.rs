@@ -281,7 +281,7 @@ impl Lane {
             supervisor_cuts: cuts,
             lateness_s: spread(&self.lateness),
             tick_s: spread(&self.tick),
-            unmodelled: self.missing + made.saturating_sub(self.next),
+            unsent: self.missing + made.saturating_sub(self.next),
         }
     }
 }

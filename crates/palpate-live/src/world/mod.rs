@@ -100,7 +100,7 @@ impl Session<WorldSessionEnd> {
         let methods = setup.methods.len();
         if !(1..=MAX_LANES).contains(&methods) {
             return Err(SessionError::Other(format!(
-                "{methods} methods; the page shows one, or two side by side"
+                "{methods} methods; allowed: one, or two side by side"
             )));
         }
         Self::begin(stop, |hub, stop| {
@@ -164,12 +164,12 @@ impl Turns for Running {
             ClientRequest::Rearm(number) => ("rearm", self.rearm(number)),
             ClientRequest::Hand(_) => (
                 "hand",
-                Err("a world is led by `tool`, with three numbers".to_owned()),
+                Err("a world needs `tool`, with three numbers".to_owned()),
             ),
-            ClientRequest::Set(_) => ("set", Err("what a world is stands in its file".to_owned())),
+            ClientRequest::Set(_) => ("set", Err("a world is defined by its file".to_owned())),
             ClientRequest::Record(_) => (
                 "record",
-                Err("`palpate record` records a world; this page does not yet".to_owned()),
+                Err("this page cannot record a world; use `palpate record`".to_owned()),
             ),
         };
         if let Err(text) = done {
@@ -202,7 +202,7 @@ impl Turns for Running {
             });
             let is_over = |end: &&WorldEnded| end.ending != Ending::Stopped;
             if has_ended && let Some(end) = lane.end().filter(is_over) {
-                let mut text = format!("lane {}: {}", number + 1, end.ending.text());
+                let mut text = format!("rendering {}: {}", number + 1, end.ending.text());
                 if let Some(words) = &end.panic {
                     text = format!("{text}: {words}");
                 }
@@ -275,10 +275,10 @@ impl Running {
 
     fn restart(&mut self) -> Result<(), String> {
         if !self.hands.are_all_led() {
-            return Err("only a world on --device pointer begins anew from here".into());
+            return Err("only a world on --device pointer can be restarted from the page".into());
         }
         if !self.restarts.take(Instant::now()) {
-            return Err("the loops begin anew too often; allowed: 4 times each second".into());
+            return Err("restarts are too frequent; allowed: 4 per second".into());
         }
         self.stop_lanes.raise();
         for lane in &mut self.lanes {

@@ -259,7 +259,7 @@ fn a_client_that_stops_reading_slows_nobody_and_is_dropped() {
                 last = samples.number;
             }
             crate::common::Received::Text(text) if text["type"] == "status" => {
-                assert_eq!(text["lanes"][0]["unmodelled"], 0);
+                assert_eq!(text["lanes"][0]["unsent"], 0);
                 if text["clients"] == 1 {
                     break;
                 }
@@ -316,12 +316,12 @@ fn who_begins_recordings_and_restarts_without_end_is_refused_and_sends_nobody_aw
     }
     let refused = busy.text("refused");
     assert_eq!(refused["about"], "record", "{refused}");
-    assert!(refused["text"].as_str().unwrap().contains("4 each second"));
+    assert!(refused["text"].as_str().unwrap().contains("4 per second"));
     for _ in 0..30 {
         busy.say(r#"{"type":"restart"}"#);
     }
     let refused = busy.until("refused", |refused| refused["about"] == "restart");
-    assert!(refused["text"].as_str().unwrap().contains("too often"));
+    assert!(refused["text"].as_str().unwrap().contains("too frequent"));
     other.is_well();
     let files = std::fs::read_dir(stage.folder.path()).unwrap().count();
     assert!((8..40).contains(&files), "{files}");

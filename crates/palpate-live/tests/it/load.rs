@@ -58,7 +58,7 @@ fn eight_clients_and_a_recording_at_four_kilohertz_lose_nothing() {
         note["text"].as_str().unwrap().contains("is written")
     });
     let lane = &status["lanes"][0];
-    assert_eq!(lane["unmodelled"], 0, "{lane}");
+    assert_eq!(lane["unsent"], 0, "{lane}");
     assert_eq!(status["recording"]["lost"], 0);
     let recording = Recording::open(&stage.folder.path().join("live-001.mcap")).unwrap();
     assert!(recording.is_whole());

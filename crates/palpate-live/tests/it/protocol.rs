@@ -135,7 +135,7 @@ fn what_is_set_is_told_to_all_and_what_is_wrong_to_one() {
         (
             r#"{"type":"set","lanes":[{"method":"basic","damping_n_s_per_m":1}]}"#,
             "set",
-            "takes no damping",
+            "has no damping",
         ),
         (r#"{"type":"rearm","lane":1}"#, "rearm", "0 to 0"),
         (r#"{"type":"hand","position_m":7}"#, "hand", "-1 to 1"),
@@ -270,7 +270,7 @@ fn a_device_that_is_gone_is_said_and_can_come_back() {
     client.text("state");
     stage.is_out.store(true, Ordering::Release);
     let ended = client.text("ended");
-    assert_eq!(ended["text"], "lane 1: the device is gone");
+    assert_eq!(ended["text"], "rendering 1: the device is gone");
     client.until("state", |state| state["lanes"][0]["running"] == false);
     client.say(r#"{"type":"restart"}"#);
     let refused = client.text("refused");

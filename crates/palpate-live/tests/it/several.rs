@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench};
+use palpate_live::message::{ClientRequest, LaneChoice, Set};
+use palpate_live::{Command, Outgoing, Seat, WorldLane, WorldSession, WorldSetup};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{Ending, RenderedWorld, StopFlag, WorldFrame};
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_live::message::{ClientRequest, LaneChoice, Set};
-use palpate_live::{Command, Outgoing, Seat, WorldLane, WorldSession, WorldSetup};
 use palpate_sim::device::{SpatialHand, SpatialPointer};
 use serde_json::Value;
 

@@ -45,7 +45,7 @@ pub fn html(card: &Card) -> Result<String, SizeError> {
     }
     if let Some(reach) = &card.reach {
         section(
-            "What can be rendered",
+            "Renderable contacts",
             &sections::reach(reach, &mut figures)?,
         );
     }

@@ -71,7 +71,7 @@ pub fn checks(card: &Card) -> String {
     let mut text = String::new();
     let warnings: Vec<&Check> = card.warnings().collect();
     if warnings.is_empty() {
-        text.push_str("<p class=\"calm\">No warning from what was checked.</p>\n");
+        text.push_str("<p class=\"calm\">No warnings.</p>\n");
     } else {
         text.push_str("<ul class=\"warnings\">\n");
         for check in warnings {
@@ -139,10 +139,10 @@ pub fn device(device: &DeviceCard) -> String {
         text.push_str("<p>This device is simulated.</p>\n");
     }
     if device.holds_last_force == Some(true) {
-        text.push_str("<p>Its motors hold their last force when nobody commands another.</p>\n");
+        text.push_str("<p>Its motors hold their last force until the next command.</p>\n");
     }
     if rows.is_empty() {
-        return text + "<p>No number of it is known.</p>\n";
+        return text + "<p>None of its properties is known.</p>\n";
     }
     text + &table(&["quantity", "value", "from"], &rows)
 }
@@ -155,21 +155,21 @@ pub fn timing(all: &[TimingCard], figures: &mut Figures) -> Result<String, SizeE
         ("period", |of| &of.period_s),
         ("lateness", |of| &of.lateness_s),
         ("tick time", |of| &of.tick_s),
-        ("device's answer", |of| &of.round_trip_s),
+        ("device response", |of| &of.round_trip_s),
     ];
     // Captions of the first three distributions, which have a histogram.
     let captions = [
         "Period: from a sample to the next.",
-        "Lateness: of a sample after its planned instant; early ones count at the left.",
+        "Lateness: from the planned instant of a sample to the sample; early samples count in the leftmost bin.",
         "Tick time: from a sample to its command.",
     ];
     for of in all {
-        let scene = of.scene.as_deref().unwrap_or("a scene that is not in it");
+        let scene = of.scene.as_deref().unwrap_or("unknown scene");
         let _ = writeln!(
             text,
             "<p>{}: {} on “{}”, recorded by palpate {}. {}.</p>",
             escaped(&of.recording),
-            escaped(of.method.as_deref().unwrap_or("a method that is not in it")),
+            escaped(of.method.as_deref().unwrap_or("unknown method")),
             escaped(scene),
             escaped(&of.palpate_version),
             escaped(&of.in_words())
@@ -216,7 +216,7 @@ pub fn calibration(of: &CalibrationCard, figures: &mut Figures) -> Result<String
         .iter()
         .map(|found| {
             let (name, value) = value(found.key, found.value, found.standard_deviation);
-            let by = found.found_by.as_deref().unwrap_or("not said");
+            let by = found.found_by.as_deref().unwrap_or("unknown");
             let way = ways.iter().position(|way| *way == by).unwrap_or_else(|| {
                 ways.push(by);
                 ways.len() - 1
@@ -248,8 +248,8 @@ pub fn calibration(of: &CalibrationCard, figures: &mut Figures) -> Result<String
     if let Some(motion) = &of.motion {
         text.push_str(&figure(
             &figures.calibration(motion)?,
-            "Measured against fitted: positions under random force steps, and each as the fit foresees it from \
-             those before.",
+            "Measured against fitted: positions under random force steps, and their predictions by the fit from \
+             earlier samples.",
         ));
     }
     Ok(text + "</div>\n")
@@ -285,7 +285,7 @@ pub fn reach(of: &ReachCard, figures: &mut Figures) -> Result<String, SizeError>
     let mut text = String::from("<div class=\"two\">\n<div>\n");
     let _ = writeln!(
         text,
-        "<p>The stiffest wall, and the lightest object at {} N/mm, by each method.</p>",
+        "<p>The stiffest wall, and the lightest object at {} N/mm, of each method.</p>",
         digits(1e-3 * of.stiffness_n_per_m)
     );
     text.push_str(&table(&head, &rows));
@@ -293,8 +293,8 @@ pub fn reach(of: &ReachCard, figures: &mut Figures) -> Result<String, SizeError>
     text.push_str("</div>\n");
     text.push_str(&figure(
         &figures.reach(of)?,
-        "Stiffest contact over the mass of the object. A method without a line renders none of them; a line at the top \
-         goes on beyond.",
+        "Stiffest contact over the mass of the object. A method without a line renders no contact; a line at the top \
+         continues beyond the plot.",
     ));
     Ok(text + "</div>\n")
 }
@@ -332,11 +332,11 @@ pub fn contact(of: &ContactCard, figures: &mut Figures) -> Result<String, SizeEr
             in_percent(of.mean_force_error_percent),
         ),
         (
-            "hold bound: no held force has less",
+            "hold bound: least error of a held force",
             in_percent(of.hold_bound_percent),
         ),
         (
-            "FRE: whole error, FRE² = floor² + E²",
+            "FRE: whole error, FRE² = bound² + E²",
             in_percent(of.force_rendering_error_percent),
         ),
         ("strongest force", format!("{} N", digits(of.peak_force_n))),
@@ -351,15 +351,12 @@ pub fn contact(of: &ContactCard, figures: &mut Figures) -> Result<String, SizeEr
     ];
     if let Some(leak) = of.recorded_leak_held_j {
         rows.push((
-            "the same, as the recorded loop booked it",
+            "the same, in the recorded loop's ledger",
             format!("{} mJ", digits(1e3 * leak)),
         ));
     }
     if let Some(force) = of.recorded_peak_force_n {
-        rows.push((
-            "strongest force that was sent",
-            format!("{} N", digits(force)),
-        ));
+        rows.push(("strongest sent force", format!("{} N", digits(force))));
     }
     let rows: Vec<Vec<String>> = rows
         .into_iter()

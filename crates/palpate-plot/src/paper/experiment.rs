@@ -73,7 +73,7 @@ pub fn experiment(scene: &Scene, measured: &Measured) -> Result<Compared, LoopEr
     let fine_name = format!("basic at 1 kHz{off}");
     let fine = (&*fine_name, &fine_runs[0]);
     let figure = method_by_method(scene, bench.reference(), &columns, fine);
-    let report = Report::new(&Subject::of(scene), bench.reference(), &runs);
+    let report = Report::new(&Subject::new(scene), bench.reference(), &runs);
     let comparison = beside_the_paper(&runs, &fine_runs[0], measured);
     Ok((report, figure, comparison))
 }
@@ -102,8 +102,8 @@ fn beside_the_paper(runs: &[Run], fine: &Run, measured: &Measured) -> String {
     let to_ideal = fine.force.fidelity.map(|f| f.force_rendering_error);
     let _ = write!(
         text,
-        "\nBeside the paper (its device, user and tuning were others)\n\n{}\n\nThe basic model at 1 kHz \
-         is itself {} % off the ideal{}.\n",
+        "\nComparison with the paper (another device, user and tuning)\n\n{}\n\nThe basic model at 1 kHz is itself {} \
+         % off the ideal{}.\n",
         lines(&table),
         to_ideal.map_or_else(|| "-".into(), percent),
         fine.jammed_at

@@ -40,7 +40,7 @@ pub fn fig2(
         .map(|((_, name), run)| (*name, run))
         .collect();
     let figure = step_by_step(&scene.title, bench.reference(), &steps);
-    let report = Report::new(&Subject::of(scene), bench.reference(), &runs);
+    let report = Report::new(&Subject::new(scene), bench.reference(), &runs);
     Ok((report, figure))
 }
 
@@ -60,7 +60,7 @@ pub fn fig2_long(scene: &Scene) -> Result<(Report, Figure, String), LoopError> {
     let steps: Vec<_> = DAMPINGS.iter().map(|(_, name)| *name).zip(&runs).collect();
     let bench = Bench::new(scene)?;
     let figure = step_by_step(&scene.title, bench.reference(), &steps);
-    let report = Report::new(&Subject::of(scene), bench.reference(), &runs);
+    let report = Report::new(&Subject::new(scene), bench.reference(), &runs);
     let dampings = DAMPINGS.map(|(damping, _)| damping.to_string()).join(", ");
     let below = format!("\nFrom top to bottom b = {dampings} N s/m.\n");
     Ok((report, figure, below))

@@ -18,22 +18,22 @@ pub struct Limit {
 const MEBIBYTE: u64 = 1 << 20;
 
 /// Scene files, lists of columns and other settings files.
-pub const SCENE: Limit = Limit::of("a scene or a list of settings", 16 * MEBIBYTE);
+pub const SCENE: Limit = Limit::new("a scene or a list of settings", 16 * MEBIBYTE);
 /// Device files and calibration reports.
-pub const DEVICE: Limit = Limit::of("a device file or a calibration", 64 * MEBIBYTE);
+pub const DEVICE: Limit = Limit::new("a device file or a calibration", 64 * MEBIBYTE);
 /// Triangle meshes.
-pub const MESH: Limit = Limit::of("a mesh", 256 * MEBIBYTE);
+pub const MESH: Limit = Limit::new("a mesh", 256 * MEBIBYTE);
 /// Distance grids of meshes.
-pub const DISTANCE_GRID: Limit = Limit::of("a distance grid", 64 * MEBIBYTE);
+pub const DISTANCE_GRID: Limit = Limit::new("a distance grid", 64 * MEBIBYTE);
 /// Tables: traces, runs, maps.
-pub const TABLE: Limit = Limit::of("a table", 256 * MEBIBYTE);
+pub const TABLE: Limit = Limit::new("a table", 256 * MEBIBYTE);
 /// Journals of work in progress.
-pub const JOURNAL: Limit = Limit::of("a journal", 512 * MEBIBYTE);
+pub const JOURNAL: Limit = Limit::new("a journal", 512 * MEBIBYTE);
 
 impl Limit {
     /// Creates a limit of `bytes` `[bytes]` for files of a kind.
     #[must_use]
-    pub const fn of(kind: &'static str, bytes: u64) -> Self {
+    pub const fn new(kind: &'static str, bytes: u64) -> Self {
         Self { kind, bytes }
     }
 
@@ -75,8 +75,7 @@ impl Limit {
         } else {
             format!("{bytes} bytes")
         };
-        let words =
-            format!("the file does not end within {length}, the most that is read of {kind}");
+        let words = format!("the file is longer than {length}, the limit for {kind}");
         io::Error::new(io::ErrorKind::FileTooLarge, words)
     }
 }
@@ -108,7 +107,7 @@ impl<R: Read> Read for Bounded<R> {
 mod tests {
     use super::*;
 
-    const FOUR: Limit = Limit::of("a test", 4);
+    const FOUR: Limit = Limit::new("a test", 4);
 
     fn read(source: &[u8]) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
@@ -132,7 +131,7 @@ mod tests {
     #[test]
     fn a_source_without_end_is_refused() {
         let mut bytes = Vec::new();
-        let mut reader = Limit::of("a test", MEBIBYTE).reader(io::repeat(0));
+        let mut reader = Limit::new("a test", MEBIBYTE).reader(io::repeat(0));
         let error = reader.read_to_end(&mut bytes).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::FileTooLarge);
         assert!(error.to_string().contains("1 MiB"), "{error}");

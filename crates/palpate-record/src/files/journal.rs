@@ -76,7 +76,7 @@ pub enum JournalError {
     },
     /// A line has a wrong checksum, and other lines follow it.
     #[error(
-        "`{}`, line {line}: not what was written there; delete the file and begin anew",
+        "`{}`, line {line}: damaged; delete the file and start again",
         path.display()
     )]
     Damaged {
@@ -318,7 +318,7 @@ mod tests {
         bytes[at] = b'x';
         fs::write(&path, &bytes).unwrap();
         let error = Journal::open(&path).unwrap_err().to_string();
-        assert!(error.contains("line 4: not what was written"), "{error}");
+        assert!(error.contains("line 4: damaged"), "{error}");
         assert_eq!(fs::read(&path).unwrap(), bytes);
     }
 

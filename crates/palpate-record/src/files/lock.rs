@@ -8,10 +8,7 @@ use std::io;
 
 /// Result of a lock request.
 #[derive(Debug)]
-#[cfg_attr(
-    not(unix),
-    expect(dead_code, reason = "only asked for where the system is a Unix")
-)]
+#[cfg_attr(not(unix), expect(dead_code, reason = "requested on Unix only"))]
 pub(crate) enum Locked {
     /// The lock is held until the file is closed.
     Held,

@@ -13,4 +13,3 @@ pub mod inputs;
 pub mod journal;
 mod lock;
 pub mod outputs;
-

@@ -31,8 +31,8 @@ pub enum MergeError {
     },
     /// Two parts have different formats.
     #[error(
-        "{first} and {other} are not parts of one map: {first} has {}, {other} has {}; compute the older \
-         one again",
+        "{first} and {other} are not parts of one map: {first} has {}, {other} has {}; recompute the older \
+         one",
         contents(*.expected), contents(*.found)
     )]
     Formats {
@@ -46,7 +46,7 @@ pub enum MergeError {
         found: Option<Format>,
     },
     /// A part lacks required metadata.
-    #[error("{file}: the metadata has no number under {key}")]
+    #[error("{file}: the metadata has no number `{key}`")]
     RecordingMetadata {
         /// The part.
         file: String,
@@ -282,7 +282,7 @@ mod tests {
         assert_eq!(
             merge(given).unwrap_err().to_string(),
             "p1.csv and p2.csv are not parts of one map: p1.csv has bounces and contacts that stay, \
-             p2.csv has bounces alone; compute the older one again"
+             p2.csv has bounces alone; recompute the older one"
         );
         let old = parts(2)
             .into_iter()

@@ -80,7 +80,7 @@ pub enum MapError {
         fault: String,
     },
     /// Lines are missing or damaged.
-    #[error("{file} is torn: {fault}; make this part again")]
+    #[error("{file} is damaged: {fault}; compute this part again")]
     Torn {
         /// The file.
         file: String,
@@ -123,7 +123,7 @@ impl Map {
         metadata.push(("lines".into(), lines.len().to_string()));
         metadata.push(("checksum".into(), checksum.text()));
         let json = metadata::to_json(&metadata)
-            .map_err(|key| io::Error::other(format!("the key `{key}` is empty or stands twice")))?;
+            .map_err(|key| io::Error::other(format!("the key `{key}` is empty or duplicate")))?;
         out.write_all(format.head().as_bytes())?;
         for (number, line) in lines.iter().enumerate() {
             if number == 0 {
@@ -136,7 +136,8 @@ impl Map {
     }
 
     fn written_format(&self) -> io::Result<Format> {
-        let mixed = "a map has contacts that stay in all of its lines or in none, and has a line";
+        let mixed =
+            "a map needs contacts that stay in all of its lines or in none, and at least one line";
         self.format().ok_or_else(|| io::Error::other(mixed))
     }
 
@@ -155,7 +156,7 @@ impl Map {
             fault,
         };
         let Ok(text) = String::from_utf8(bytes) else {
-            return Err(torn("it has bytes that are no text".into()));
+            return Err(torn("it is not UTF-8 text".into()));
         };
         let body_of = |format: Format| Some((format, text.strip_prefix(&format.head())?));
         let Some((format, body)) = Format::ALL.into_iter().find_map(body_of) else {
@@ -174,7 +175,7 @@ impl Map {
             fault,
         };
         if !body.ends_with('\n') {
-            return Err(torn("its last line has no end".into()));
+            return Err(torn("its last line has no line end".into()));
         }
         let mut metadata = None;
         let mut rows = Vec::new();
@@ -214,7 +215,7 @@ impl Map {
             return Err(torn(format!("it has {} lines of {lines}", rows.len())));
         }
         if take("checksum") != Some(&checksum.text()) {
-            return Err(torn("its checksum does not fit its lines".into()));
+            return Err(torn("its checksum does not match its lines".into()));
         }
         metadata.retain(|(key, _)| !OWN.contains(&key.as_str()));
         Ok(Self { metadata, rows })
@@ -319,7 +320,7 @@ pub(crate) mod tests {
         let error = Map::read(&whole[..whole.len() - 1], "p1.csv").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "p1.csv is torn: its last line has no end; make this part again"
+            "p1.csv is damaged: its last line has no line end; compute this part again"
         );
     }
 
@@ -333,7 +334,7 @@ pub(crate) mod tests {
         let error = read(&(without.join("\n") + "\n"));
         assert_eq!(
             error,
-            "p.csv is torn: it has 23 lines of 24; make this part again"
+            "p.csv is damaged: it has 23 lines of 24; compute this part again"
         );
         let error = read(&whole.replacen("0.125", "0.126", 1));
         assert!(error.contains("checksum"), "{error}");

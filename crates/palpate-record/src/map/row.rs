@@ -129,7 +129,7 @@ impl Row {
         let fields: Vec<&str> = line.split(',').collect();
         let columns = format.columns().len();
         if fields.len() != columns {
-            return Err(format!("{} fields where {columns} should be", fields.len()));
+            return Err(format!("{} fields, but must have {columns}", fields.len()));
         }
         let wrong = |at: usize, needed: &str| {
             format!("{} is `{}`, but must be {needed}", COLUMNS[at], fields[at])
@@ -234,7 +234,7 @@ pub(super) mod tests {
         assert_eq!(Row::from_line(&line, Format::Bounces).unwrap(), old);
         assert_eq!(
             Row::from_line(&line, Format::BouncesAndStays).unwrap_err(),
-            "18 fields where 20 should be"
+            "18 fields, but must have 20"
         );
     }
 
@@ -253,7 +253,7 @@ pub(super) mod tests {
             "growth_median is `NaN`, but must be a number"
         );
         assert_eq!(fault(",14", ",-1"), "stable is `-1`, but must be a count");
-        assert_eq!(fault(",14", ""), "19 fields where 20 should be");
+        assert_eq!(fault(",14", ""), "19 fields, but must have 20");
         assert_eq!(
             fault(",,0.0625", ",,"),
             "pressed_swing is ``, but must be a number"

@@ -13,13 +13,14 @@ part_of_row! {
         "number of the tick",
         "sequence";
     body: u32, "1", several,
-        "number of the body in the order of the scene, from 0; the proxy of the first tool has the number of bodies of the scene, and so on",
+        "number of the body in the order of the scene, from 0; the tool proxies are numbered after the \
+        bodies of the scene",
         "body";
     position: [f64; 3], "m", several,
         "position of the body's centre of mass",
         "body_position_1_m" @ 0, "body_position_2_m" @ 1, "body_position_3_m" @ 2;
     orientation: [f64; 4], "1", several,
-        "unit quaternion that turns the body's own axes into those of the world",
+        "unit quaternion from the body's axes to those of the world",
         "body_orientation_w" @ 0, "body_orientation_x" @ 1, "body_orientation_y" @ 2,
         "body_orientation_z" @ 3;
     velocity: [f64; 3], "m/s", several,

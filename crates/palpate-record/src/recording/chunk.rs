@@ -76,7 +76,7 @@ impl Content {
     /// there is none, as other tools may write it.
     pub fn chunk(&mut self, body: &[u8], may_lack_sum: bool) -> Result<Vec<Entry>, String> {
         let Ok(Record::Chunk { header, data }) = parse_record(op::CHUNK, body) else {
-            return Err("its head is not what was written".into());
+            return Err("its header is damaged".into());
         };
         let most = header.uncompressed_size.min(LONGEST_RECORD);
         let unpacked = unpack(&header.compression, &data, most)?;
@@ -86,11 +86,11 @@ impl Content {
         let data = unpacked.bytes;
         let lacks_sum = may_lack_sum && header.uncompressed_crc == 0;
         if !lacks_sum && crc32fast::hash(&data) != header.uncompressed_crc {
-            return Err("its checksum does not fit its bytes".into());
+            return Err("its checksum does not match its bytes".into());
         }
         let (records, is_whole) = records(&data);
         if !is_whole {
-            return Err("it does not hold records".into());
+            return Err("it does not contain records".into());
         }
         let mut entries = Vec::new();
         let mut content = self.clone();
@@ -132,13 +132,13 @@ impl Content {
         if ![op::SCHEMA, op::CHANNEL, op::MESSAGE].contains(&opcode) {
             return Ok(None);
         }
-        match parse_record(opcode, record).map_err(|_| "it does not hold records".to_owned())? {
+        match parse_record(opcode, record).map_err(|_| "it does not contain records".to_owned())? {
             Record::Schema { header, data }
                 if [schema::TICK, schema::CONTACT, schema::BODY]
                     .contains(&header.name.as_str()) =>
             {
                 let layout = std::str::from_utf8(&data)
-                    .map_err(|_| "it is no text".to_owned())
+                    .map_err(|_| "it is not text".to_owned())
                     .and_then(|text| Layout::of_schema(&header.name, text))
                     .map_err(|why| {
                         let of = match header.name.as_str() {
@@ -216,7 +216,7 @@ impl Content {
             return Ok(Entry::Tick(tick, contacts, bodies, devices));
         }
         Err(format!(
-            "tick {} does not come after the one before it",
+            "tick {} does not come after the previous one",
             tick.sequence
         ))
     }

@@ -18,10 +18,10 @@ part_of_row! {
         "number of the contact: 0, 1, 2, ...",
         "contact";
     flags: Flags, "1", several,
-        "what is to be said of the contact, a bit each",
+        "flags of the contact, one bit each",
         "contact_flags";
     device_position: f64, "m", live,
-        "position of the device along the contact's normal, as the renderer saw it",
+        "position of the device along the contact's normal, as the renderer used it",
         "device_position_m";
     object_position: f64, "m", live,
         "position of the object along the contact's normal",
@@ -30,16 +30,16 @@ part_of_row! {
         "velocity of the object along the contact's normal",
         "object_velocity_m_per_s";
     penetration: f64, "m", live,
-        "penetration of the device into the object; positive in contact, whichever side the object lies on",
+        "penetration of the device into the object; positive in contact, on either side of the object",
         "penetration_m";
     object_shift: f64, "m", table,
-        "how far `coupled` has shifted the object over the interval before the sample; 0 for other methods",
-        "object_shift_m";
+        "shift of the object by `coupled` over the interval before the sample; 0 for other methods",
+        "placement_shift_m";
     force_on_object: f64, "N", table,
-        "force on the object as the renderer answered, before the limits of the safety",
+        "force of the renderer on the object, before the safety limits",
         "force_on_object_n";
     force_on_device: f64, "N", live,
-        "force on the device as really sent, after the limits of the safety",
+        "force on the device as sent, after the safety limits",
         "force_on_device_n";
     stored_energy: f64, "J", live,
         "energy stored in object and contact",
@@ -51,16 +51,17 @@ part_of_row! {
         "work of the virtual force f_V on the object since the start",
         "virtual_force_work_j";
     outside_work: f64, "J", live,
-        "work from outside since the start: teleports, changed parameters, time without samples, and the leak of intervals in which the motors were off",
+        "external work since the start: teleports, changed parameters, time without samples, and \
+        the leak of intervals with the motors off",
         "outside_work_j";
     original_leak: f64, "J", live,
-        "accumulated leak of the spring force on the same motion; positive where energy was created",
+        "accumulated leak of the spring force on the same motion; positive for generated energy",
         "leak_original_j";
     held_leak: f64, "J", live,
-        "accumulated leak of the force that was held; positive where energy was created",
+        "accumulated leak of the held force; positive for generated energy",
         "leak_held_j";
     point: [f64; 3], "m", several,
-        "where the force of a contact of a world acts, along the world's axes; NaN where no world is rendered",
+        "contact point of a contact of a world, along the world's axes; NaN without a world",
         "contact_point_1_m" @ 0, "contact_point_2_m" @ 1, "contact_point_3_m" @ 2;
     normal: [f64; 3], "1", several,
         "unit normal of a contact of a world, from the second of its pair to the first",
@@ -69,9 +70,9 @@ part_of_row! {
         "force of a contact of a world on the first of its pair",
         "contact_force_1_n" @ 0, "contact_force_2_n" @ 1, "contact_force_3_n" @ 2;
     pair: u32, "1", several,
-        "number of the point of contact in a world, which stays the same from tick to tick; 0 where no world is rendered",
+        "number of the contact point in a world, the same from tick to tick; 0 without a world",
         "pair";
     phase: Phase, "1", table,
-        "what the coming interval was predicted to hold",
+        "predicted phase of the next interval",
         "phase";
 }

@@ -33,17 +33,17 @@ pub(super) const COLUMNS: [EventColumn; 4] = [
     EventColumn {
         name: "t_s",
         message_type: "float64",
-        meaning: "since the loop's start [s]",
+        meaning: "time since the loop's start [s]",
     },
     EventColumn {
         name: "kind",
         message_type: "string",
-        meaning: "what kind of thing, in kebab case",
+        meaning: "kind of the event, in kebab case",
     },
     EventColumn {
         name: "text",
         message_type: "string",
-        meaning: "what happened, in words",
+        meaning: "description of the event",
     },
 ];
 

@@ -39,7 +39,7 @@ impl Gather {
             .retain(|before| before.sequence == device.sequence);
         if device.device as usize != self.devices.len() {
             return Err(format!(
-                "device {} of tick {} stands where device {} must",
+                "device {} of tick {} is in the position of device {}",
                 device.device,
                 device.sequence,
                 self.devices.len()
@@ -60,7 +60,7 @@ impl Gather {
         }
         if contact.contact as usize != contacts.len() {
             return Err(format!(
-                "contact {} of tick {} stands where contact {} must",
+                "contact {} of tick {} is in the position of contact {}",
                 contact.contact,
                 contact.sequence,
                 contacts.len()
@@ -161,7 +161,7 @@ mod tests {
         assert_eq!(gather.contact(contact(2, 0)), Ok(Some(whole)));
         assert_eq!(gather.tick(tick(3, 2)).unwrap(), None);
         let error = gather.contact(contact(3, 1)).unwrap_err();
-        assert_eq!(error, "contact 1 of tick 3 stands where contact 0 must");
+        assert_eq!(error, "contact 1 of tick 3 is in the position of contact 0");
     }
 
     #[test]
@@ -188,6 +188,6 @@ mod tests {
         gather.device(device(3, 0)).unwrap();
         gather.device(device(4, 0)).unwrap();
         let error = gather.device(device(4, 2)).unwrap_err();
-        assert_eq!(error, "device 2 of tick 4 stands where device 1 must");
+        assert_eq!(error, "device 2 of tick 4 is in the position of device 1");
     }
 }

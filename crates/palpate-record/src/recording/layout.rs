@@ -107,7 +107,7 @@ impl Layout {
             }
             let mut words = code.split_whitespace();
             let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-                return Err(format!("`{}` is no field", code.trim().escape_debug()));
+                return Err(format!("`{}` is not a field", code.trim().escape_debug()));
             };
             fields.push((kind, name));
         }
@@ -172,7 +172,7 @@ impl Field {
             "string" => Self::UnknownText,
             _ => {
                 return Err(format!(
-                    "its field `{}` is {}, which this version cannot read past",
+                    "its field `{}` is {}, which this version cannot skip",
                     name.escape_debug(),
                     kind.escape_debug()
                 ));
@@ -255,9 +255,9 @@ mod tests {
         );
         assert_eq!(
             refused("uint64 sequence\nfloat64 t_s\nfloat64[3] pose"),
-            "its field `pose` is float64[3], which this version cannot read past"
+            "its field `pose` is float64[3], which this version cannot skip"
         );
-        assert_eq!(refused("what"), "`what` is no field");
+        assert_eq!(refused("what"), "`what` is not a field");
         let of_contact = Layout::of_schema(schema::CONTACT, "uint64 sequence");
         assert_eq!(of_contact.unwrap_err(), "it has no field `contact`");
     }

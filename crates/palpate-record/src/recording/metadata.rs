@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use mcap::records::Metadata;
 use crate::files::checksum::Checksum;
+use mcap::records::Metadata;
 
 use super::{READ, VERSION};
 
@@ -63,8 +63,8 @@ impl RecordingMetadata {
         for name in self.texts.keys() {
             if name.is_empty() || [FORMAT, PROGRAM, CHECKSUM].contains(&name.as_str()) {
                 return Err(format!(
-                    "the metadata cannot have a text called `{name}`; names are not empty, and not \
-                     {FORMAT}, {PROGRAM} or {CHECKSUM}"
+                    "the metadata cannot have an entry `{name}`; names must not be empty, {FORMAT}, \
+                     {PROGRAM} or {CHECKSUM}"
                 ));
             }
         }
@@ -104,7 +104,7 @@ impl RecordingMetadata {
         };
         let claimed = entries.remove(CHECKSUM);
         if claimed != Some(checksum(&entries)) {
-            return Err("the metadata at its start is damaged: its checksum does not fit".into());
+            return Err("the metadata at its start is damaged: its checksum does not match".into());
         }
         entries.remove(FORMAT);
         let metadata = Self {
@@ -155,7 +155,7 @@ mod tests {
             change(&mut record.metadata);
             RecordingMetadata::from_metadata(record).unwrap_err()
         };
-        let message = "the metadata at its start is damaged: its checksum does not fit";
+        let message = "the metadata at its start is damaged: its checksum does not match";
         assert_eq!(
             damaged(&|texts| texts.get_mut("ab").unwrap().push('d')),
             message

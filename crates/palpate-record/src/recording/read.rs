@@ -145,8 +145,8 @@ impl Recording {
                     entries.iter().for_each(|entry| recording.count(entry));
                     recording.unchecked = entries.len() as u64;
                     recording.tail = Some(format!(
-                        "cut off within its last chunk, of which {} ticks and events are read that \
-                         no checksum covers",
+                        "cut off within its last chunk; {} ticks and events of it are read without a \
+                         checksum",
                         entries.len()
                     ));
                     torn = size;
@@ -213,7 +213,7 @@ impl Recording {
         let held = self.last.map_or(0, |last| last.sequence.saturating_add(1));
         if held > counted.ticks || self.events > counted.events {
             self.damage.push(format!(
-                "the count of the loop: {} ticks and {} events, but there are ticks up to number {} \
+                "the counters of the loop: {} ticks and {} events, but there are ticks up to number {} \
                  and {} events",
                 counted.ticks,
                 counted.events,
@@ -328,7 +328,7 @@ impl Iterator for Rows {
             }
             match self.entries.next()? {
                 Ok(Entry::Tick(tick, contacts, ..)) => {
-                    self.of_tick = Row::of(tick, &contacts).collect::<Vec<_>>().into_iter();
+                    self.of_tick = Row::new(tick, &contacts).collect::<Vec<_>>().into_iter();
                 }
                 Ok(Entry::Event(_)) => {}
                 Err(error) => return Some(Err(error)),

@@ -28,7 +28,7 @@ impl Row {
     };
 
     /// Returns the rows of a tick: one for each contact, or one with an unknown contact if there is none.
-    pub fn of(tick: Tick, contacts: &[ContactTick]) -> impl Iterator<Item = Self> {
+    pub fn new(tick: Tick, contacts: &[ContactTick]) -> impl Iterator<Item = Self> {
         let none = contacts.is_empty().then_some(ContactTick::UNKNOWN);
         let contacts = contacts.iter().copied().chain(none);
         contacts.map(move |contact| Self {
@@ -113,12 +113,12 @@ mod tests {
             contact: number,
             ..ContactTick::default()
         };
-        let rows: Vec<Row> = Row::of(tick, &[contact(0), contact(1)]).collect();
+        let rows: Vec<Row> = Row::new(tick, &[contact(0), contact(1)]).collect();
         let numbers = rows
             .iter()
             .map(|row| (row.tick.sequence, row.contact.contact));
         assert!(numbers.eq([(4, 0), (4, 1)]));
-        let rows: Vec<Row> = Row::of(tick, &[]).collect();
+        let rows: Vec<Row> = Row::new(tick, &[]).collect();
         assert_eq!(rows.len(), 1);
         assert!(rows[0].tick.sequence == 4 && rows[0].contact.penetration.is_nan());
     }

@@ -32,8 +32,8 @@ pub(super) fn contact() -> String {
     let mut text = String::from(
         "# One contact of a tick of a haptic loop, palpate recording format 2. SI units, each in the name of \
          its field.\n\
-         # Positions, velocities and forces are along the contact's normal, but those of a contact of a world, which \
-         are along the world's axes; NaN where there is no value.\n",
+         # Positions, velocities and forces are along the contact's normal; those of a contact of a world are along \
+         the world's axes. NaN where there is no value.\n",
     );
     push_columns(&mut text, ContactTick::COLUMNS, Flags::OF_CONTACT);
     text
@@ -63,9 +63,8 @@ pub(super) fn device() -> String {
 
 /// Returns the type of an event.
 pub(super) fn event() -> String {
-    let mut text = String::from(
-        "# Something that happened at a tick of a haptic loop, palpate recording format 2.\n",
-    );
+    let mut text =
+        String::from("# Event at a tick of a haptic loop, palpate recording format 2.\n");
     let fields = event::COLUMNS.iter().map(|column| {
         let field = format!("{} {}", column.message_type, column.name);
         (field, column.meaning.to_owned())
@@ -237,7 +236,7 @@ mod tests {
                 ("object_position_m", c.object_position),
                 ("object_velocity_m_per_s", c.object_velocity),
                 ("penetration_m", c.penetration),
-                ("object_shift_m", c.object_shift),
+                ("placement_shift_m", c.object_shift),
                 ("force_on_object_n", c.force_on_object),
                 ("force_on_device_n", c.force_on_device),
                 ("stored_energy_j", c.stored_energy),

@@ -98,7 +98,7 @@ impl<W: Write> Stream<W> {
     ) -> io::Result<()> {
         if let Some(last) = self.last_sequence.filter(|last| tick.sequence <= *last) {
             return Err(invalid(format!(
-                "tick {} does not come after tick {last}; numbers of ticks rise",
+                "tick {} does not come after tick {last}; tick numbers must increase",
                 tick.sequence
             )));
         }

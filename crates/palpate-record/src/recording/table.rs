@@ -17,7 +17,7 @@ pub(super) const FORMAT_1: [&str; 25] = [
     "object_position_m",
     "object_velocity_m_per_s",
     "penetration_m",
-    "object_shift_m",
+    "placement_shift_m",
     "force_on_object_n",
     "force_on_device_n",
     "stored_energy_j",

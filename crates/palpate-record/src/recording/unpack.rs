@@ -44,8 +44,7 @@ pub(super) fn unpack(compression: &str, packed: &[u8], most: u64) -> Result<Unpa
         }
         other => {
             return Err(format!(
-                "it is compressed with `{other}`; this program reads lz4, zstd and what is not \
-                 compressed"
+                "its compression is `{other}`; this program reads lz4, zstd and uncompressed chunks"
             ));
         }
     }
@@ -66,7 +65,7 @@ impl Unpacked {
                 }
             }
             if self.bytes.len() as u64 > most {
-                self.fault = Some("it holds more than its head says".into());
+                self.fault = Some("it is longer than its header states".into());
                 return false;
             }
         }

@@ -79,7 +79,7 @@ impl<R: Read> Walk<R> {
             match walk.frames.next()? {
                 Frame::End | Frame::Torn { .. } => {
                     return Err(invalid(
-                        "cut off within its metadata: nothing was recorded in it yet",
+                        "cut off within its metadata: it contains no recorded data",
                     ));
                 }
                 Frame::Record { opcode, body, .. } if opcode == expected => {
@@ -193,7 +193,7 @@ impl<R: Read> Walk<R> {
                     let lacks_sum = self.is_foreign && end.data_section_crc == 0;
                     if !lacks_sum && end.data_section_crc != before.finalize() {
                         return Ok(Step::Damaged(format!(
-                            "{WHOLE}: its checksum does not fit its bytes"
+                            "{WHOLE}: its checksum does not match its bytes"
                         )));
                     }
                 }
@@ -216,11 +216,11 @@ impl<R: Read> Walk<R> {
                             return Ok(Step::Complete);
                         }
                         Step::Damaged(format!(
-                            "{WHOLE}: {behind} {} behind the end of the recording",
+                            "{WHOLE}: {behind} {} the end of the recording",
                             if behind == 1 {
-                                "byte stands"
+                                "byte follows"
                             } else {
-                                "bytes stand"
+                                "bytes follow"
                             }
                         ))
                     } else if sound && MAGIC.starts_with(&rest) {
@@ -237,12 +237,12 @@ impl<R: Read> Walk<R> {
     /// Processes a metadata record; returns a description of an error.
     fn metadata_record(&mut self, body: &[u8]) -> Result<Option<&'static str>, Refused> {
         let Ok(Record::Metadata(record)) = parse_record(op::METADATA, body) else {
-            return Ok(Some("it is not what was written"));
+            return Ok(Some("it is damaged"));
         };
         if record.name == count::RECORD {
             self.count = LoopCount::from_metadata(record);
             if self.count.is_none() {
-                return Ok(Some("the count of the loop is not what was written"));
+                return Ok(Some("the counters of the loop are damaged"));
             }
         } else if record.name == metadata::RECORD && self.metadata.is_none() {
             let metadata = RecordingMetadata::from_metadata(record);
@@ -262,7 +262,7 @@ impl<R: Read> Walk<R> {
 
 fn strange(at: u64) -> Step {
     Step::Tail(format!(
-        "from byte {at} on it is not what was written, and nothing after that can be read"
+        "damaged from byte {at} on; the rest cannot be read"
     ))
 }
 

@@ -55,8 +55,7 @@ impl RecordingWriter {
             let file = OpenOptions::new().write(true).create_new(true).open(&part);
             let file = file.map_err(|error| match error.kind() {
                 io::ErrorKind::AlreadyExists => exists(format!(
-                    "`{}` is what an earlier recording left when it was cut off, or one that is \
-                     being made",
+                    "`{}` is an unfinished recording, interrupted or still running",
                     part.display()
                 )),
                 _ => error,
@@ -233,8 +232,8 @@ fn refuse_what_is_there(path: &Path) -> io::Result<()> {
             Err(exists("there is a file of that name".into()))
         }
         Ok(_) => Err(io::Error::other(
-            "it is no regular file; a recording is a file in a folder, where it grows under the name \
-             with `.part` behind it",
+            "it is not a regular file; a recording is a file in a folder and grows there under its name \
+             with `.part` appended",
         )),
     }
 }
@@ -242,6 +241,6 @@ fn refuse_what_is_there(path: &Path) -> io::Result<()> {
 fn exists(what: String) -> io::Error {
     io::Error::new(
         io::ErrorKind::AlreadyExists,
-        format!("{what}; a recording overwrites nothing, so name another or move it away"),
+        format!("{what}; a recording overwrites no file, so name another or move it away"),
     )
 }

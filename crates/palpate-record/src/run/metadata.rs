@@ -44,7 +44,7 @@ impl<'de> Visitor<'de> for Entries {
         let mut entries = Vec::new();
         while let Some(key) = map.next_key::<String>()? {
             if !is_allowed(&key, &entries) {
-                let fault = format!("the key `{key}` is empty or stands twice");
+                let fault = format!("the key `{key}` is empty or duplicate");
                 return Err(A::Error::custom(fault));
             }
             entries.push((key, map.next_value()?));
@@ -77,11 +77,11 @@ mod tests {
         let message = |json| from_json(json).unwrap_err().to_string();
         assert_eq!(
             message(r#"{"a":"1","a":"2"}"#),
-            "the key `a` is empty or stands twice at line 1 column 12"
+            "the key `a` is empty or duplicate at line 1 column 12"
         );
         assert_eq!(
             message(r#"{"":"1"}"#),
-            "the key `` is empty or stands twice at line 1 column 3"
+            "the key `` is empty or duplicate at line 1 column 3"
         );
     }
 }

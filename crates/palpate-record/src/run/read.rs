@@ -66,7 +66,7 @@ pub enum RunFault {
         found: String,
     },
     /// The header names a column twice.
-    #[error("the header names the column `{name}` twice; each column has a name of its own")]
+    #[error("the header names the column `{name}` twice; column names must be unique")]
     DuplicateColumn {
         /// The duplicate column.
         name: String,
@@ -85,7 +85,7 @@ pub enum RunFault {
     #[error("the quote that opens here is not closed before the end of the file")]
     OpenQuote,
     /// The first row lacks the metadata.
-    #[error("the first row has no metadata; it is lost where rows are cut off or sorted")]
+    #[error("the first row has no metadata; removing or sorting rows loses it")]
     NoMetadata,
     /// The metadata in the first row are invalid.
     #[error("the metadata is not a JSON object of strings: {why} of the metadata")]
@@ -396,12 +396,12 @@ mod tests {
     fn a_column_that_stands_twice_is_refused() {
         assert_eq!(
             message("x,y,x,palpate_run_1\n"),
-            "run.csv:1:5: the header names the column `x` twice; each column has a name of its own"
+            "run.csv:1:5: the header names the column `x` twice; column names must be unique"
         );
         assert_eq!(
             message("palpate_run_1,palpate_run_1\n"),
-            "run.csv:1:15: the header names the column `palpate_run_1` twice; each column has a \
-             name of its own"
+            "run.csv:1:15: the header names the column `palpate_run_1` twice; column names \
+             must be unique"
         );
     }
 
@@ -432,7 +432,7 @@ mod tests {
             ),
             (
                 "{\"a\":\"\",\"a\":\"\"}",
-                "the key `a` is empty or stands twice at line 1 column 11",
+                "the key `a` is empty or duplicate at line 1 column 11",
             ),
         ] {
             let field = format!("\"{}\"", json.replace('"', "\"\""));
@@ -452,7 +452,7 @@ mod tests {
     fn a_receipt_stands_in_the_first_row_and_in_no_other() {
         assert_eq!(
             message("x,palpate_run_1\n1,\n2,{}\n"),
-            "run.csv:2:3: the first row has no metadata; it is lost where rows are cut off or sorted"
+            "run.csv:2:3: the first row has no metadata; removing or sorting rows loses it"
         );
         assert_eq!(
             message("x,palpate_run_1\n1,{}\n2,{}\n"),

@@ -35,16 +35,15 @@ pub enum RunWriteError {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// A metadata key is empty or duplicate.
-    #[error("the metadata key `{key}` is not allowed; a key is not empty and stands once")]
+    #[error("the metadata key `{key}` is not allowed; keys must be non-empty and unique")]
     MetadataKey {
         /// The key.
         key: String,
     },
     /// The column names are invalid, duplicate, or in conflict with the format column that this crate adds.
     #[error(
-        "the columns `{}` are not allowed; at least one is needed, each with a name of its own \
-         that has no space around it, no line end and no byte order mark and does not begin with \
-         `{MARK}`",
+        "the columns `{}` are not allowed; at least one is needed; names must be unique, have \
+         no space around them, no line end and no byte order mark, and not begin with `{MARK}`",
         columns.join(",")
     )]
     Columns {
@@ -225,7 +224,7 @@ mod tests {
             assert_eq!(
                 new(metadata, &["x"]),
                 format!(
-                    "the metadata key `{key}` is not allowed; a key is not empty and stands once"
+                    "the metadata key `{key}` is not allowed; keys must be non-empty and unique"
                 )
             );
         }
@@ -241,9 +240,9 @@ mod tests {
             assert_eq!(
                 new(&[], columns),
                 format!(
-                    "the columns `{}` are not allowed; at least one is needed, each with a name \
-                     of its own that has no space around it, no line end and no byte order mark \
-                     and does not begin with `palpate_run_`",
+                    "the columns `{}` are not allowed; at least one is needed; names must be \
+                     unique, have no space around them, no line end and no byte order mark, \
+                     and not begin with `palpate_run_`",
                     columns.join(",")
                 )
             );

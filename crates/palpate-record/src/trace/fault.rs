@@ -65,7 +65,7 @@ pub enum TraceFault {
     },
     /// The header lacks a column.
     #[error(
-        "the header has no column `{name}`{}; needed are {needed}, separated by commas, semicolons or tabs, in any \
+        "the header has no column `{name}`{}; needed: {needed}, separated by commas, semicolons or tabs, in any \
          order{way}",
         nearest.as_ref().map(|found| format!(", the nearest is `{found}`")).unwrap_or_default()
     )]
@@ -96,7 +96,9 @@ pub enum TraceFault {
         way: Way,
     },
     /// Two sources name different units.
-    #[error("the unit of column `{name}` is {one} by {says_one}, and {other} by {says_other}{way}")]
+    #[error(
+        "the unit of column `{name}` is {one} according to {says_one}, but {other} according to {says_other}{way}"
+    )]
     Units {
         /// The column.
         name: String,
@@ -112,7 +114,7 @@ pub enum TraceFault {
         way: Way,
     },
     /// A cell of the unit row is not a unit.
-    #[error("`{text}` in the unit row is not a unit of column `{name}`; allowed are {allowed}")]
+    #[error("`{text}` in the unit row is not a unit of column `{name}`; allowed: {allowed}")]
     NotAUnit {
         /// The column.
         name: String,
@@ -133,7 +135,7 @@ pub enum TraceFault {
     },
     /// A field is not a number.
     #[error(
-        "`{text}` in column `{name}` is not a number; allowed are decimals such as 0.001 or 1e-3{way}"
+        "`{text}` in column `{name}` is not a number; allowed: decimals such as 0.001 or 1e-3{way}"
     )]
     NotANumber {
         /// The field's column.
@@ -162,15 +164,15 @@ pub enum TraceFault {
         text: String,
     },
     /// A quaternion does not have norm 1.
-    #[error("qw,qx,qy,qz is a quaternion of length {length}, and needs one of length 1")]
+    #[error("qw,qx,qy,qz is a quaternion of length {length}, but must have length 1")]
     Quaternion {
         /// Its norm.
         length: f64,
     },
     /// The last line has no line end, and the caller receives no notes.
     #[error(
-        "the last line has no line end, so that its last number, `{text}`, may be cut off; end the file with a line \
-         end if it is whole"
+        "the last line has no line end, so its last number, `{text}`, may be cut off; if the file is complete, \
+         end it with a line end"
     )]
     CutOff {
         /// The field.
@@ -188,8 +190,8 @@ pub enum TraceFault {
     },
     /// A field of the column of forces is not a finite number.
     #[error(
-        "`{text}` in column `{name}` is not a finite number; the force [N] that was held on the \
-         device from this sample on is needed, 0 where there was none"
+        "`{text}` in column `{name}` is not a finite number; this column has the force [N] held on the \
+         device from this sample on, 0 without a force"
     )]
     NotAForce {
         /// The field's column.
@@ -204,7 +206,7 @@ pub enum TraceFault {
     )]
     OpenQuote,
     /// The trace is longer than allowed.
-    #[error("the trace goes on for more than {longest} s after its first sample at {first} s")]
+    #[error("the trace continues for more than {longest} s after its first sample at {first} s")]
     TooLong {
         /// Longest allowed time `[s]`.
         longest: f64,
@@ -213,7 +215,7 @@ pub enum TraceFault {
     },
     /// Fewer than two samples lie in the selected part.
     #[error(
-        "{found} of the 2 samples that are needed at least lie {}; the times of the trace begin at \
+        "{found} of at least 2 required samples lie {}; the times of the trace begin at \
          {first} s{}",
         between(*from, *to),
         last.map_or_else(String::new, |last| format!(" and end at {last} s"))

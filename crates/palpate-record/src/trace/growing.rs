@@ -132,7 +132,7 @@ impl<R: Read> Growing<R> {
             self.ended = true;
             self.fault = Some(Unread::Io(io::Error::new(
                 io::ErrorKind::FileTooLarge,
-                "a line does not end within 1 MiB, the most that is read of a line",
+                "a line is longer than 1 MiB, the limit for a line",
             )));
         }
         !self.ended

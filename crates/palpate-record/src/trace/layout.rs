@@ -167,13 +167,9 @@ impl fmt::Display for Way {
             Out::Columns => (
                 "--columns t=NAME,x=NAME",
                 "columns={\"t\": NAME, \"x\": NAME}",
-                "says which columns they are (#2: the second)",
+                "selects the columns (#2: the second)",
             ),
-            Out::SkipMissing => (
-                "--skip-missing",
-                "skip_missing=True",
-                "leaves such samples out",
-            ),
+            Out::SkipMissing => ("--skip-missing", "skip_missing=True", "skips such samples"),
             Out::DecimalComma => (
                 "--decimal-comma",
                 "decimal_comma=True",
@@ -182,7 +178,7 @@ impl fmt::Display for Way {
             Out::Units => (
                 "--unit and --time-unit",
                 "unit= and time_unit=",
-                "say the units of a table that does not agree with itself",
+                "set the units of an inconsistent table",
             ),
         };
         match self.ways {

@@ -233,7 +233,7 @@ mod tests {
         };
         let error = read_laid_out("t,x,y,z\n0,0,0,0\n", &[false], &unknown).unwrap_err();
         assert!(
-            error.contains("given as `w`") && error.contains("allowed are t, x, y, z"),
+            error.contains("given as `w`") && error.contains("allowed: t, x, y, z"),
             "{error}"
         );
     }

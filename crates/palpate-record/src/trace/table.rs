@@ -3,8 +3,8 @@
 use std::io::Read;
 use std::ops::Range;
 
-use csv::StringRecord;
 use crate::files::bounded::{Bounded, TABLE};
+use csv::StringRecord;
 
 use super::columns::{Column, Kind, Wanted};
 use super::fault::{TraceError, TraceFault};
@@ -151,10 +151,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         }
         let others = found.split_off(1);
         let time = found.pop().flatten();
-        Ok((
-            time.expect("the time is needed, so that it was found"),
-            others,
-        ))
+        Ok((time.expect("the time column is required"), others))
     }
 
     /// Reads the samples of the part.
@@ -352,7 +349,7 @@ fn check_keys(file: &str, request: &Request) -> Result<(), TraceError> {
     Err(TraceError::Layout {
         file: file.to_owned(),
         fault: format!(
-            "column `{name}` is given as `{key}`, which is no quantity of this motion; allowed are {}",
+            "column `{name}` is given as `{key}`, which is not a quantity of this motion; allowed: {}",
             known.join(", ")
         ),
     })

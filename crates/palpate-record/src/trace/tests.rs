@@ -81,8 +81,8 @@ fn a_last_number_without_a_line_end_may_be_cut_off_and_that_is_said() {
     // A caller that receives no notes gets an error.
     assert_eq!(
         message(text),
-        "hand.csv:3:7: the last line has no line end, so that its last number, `0.01`, may be cut off; end the file \
-         with a line end if it is whole"
+        "hand.csv:3:7: the last line has no line end, so its last number, `0.01`, may be cut off; if the file \
+         is complete, end it with a line end"
     );
     // The last line is not read, is a comment, or lies beyond the part.
     for whole in [
@@ -158,12 +158,12 @@ fn units_that_contradict_each_other_are_refused() {
         (
             "t_s,position_m\ns,mm\n0,1\n",
             &nothing,
-            "is mm by the unit row, and m by its name",
+            "is mm according to the unit row, but m according to its name",
         ),
         (
             "t_s,position_m\ns,cm\n0,1\n",
             &in_mm,
-            "is mm by the caller, and cm by the unit row",
+            "is mm according to the caller, but cm according to the unit row",
         ),
         (
             "t_s,position_m\ns,inch\n0,1\n",
@@ -291,7 +291,7 @@ fn a_trace_that_is_too_long_is_refused_as_soon_as_that_shows() {
     let error = read_part(endless(), "endless", &part, &Layout::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "endless:63:1: the trace goes on for more than 50 s after its first sample at 10 s"
+        "endless:63:1: the trace continues for more than 50 s after its first sample at 10 s"
     );
 }
 
@@ -310,7 +310,7 @@ fn forces_are_those_of_the_part() {
 #[test]
 fn a_part_without_motion_says_where_the_trace_is() {
     let text = "t_s,position_m\n1,0\n2,0\n3,0\n";
-    let needed = "of the 2 samples that are needed at least lie";
+    let needed = "of at least 2 required samples lie";
     for (from, to, words) in [
         (
             5.0,
@@ -348,13 +348,13 @@ fn a_part_without_motion_says_where_the_trace_is() {
 fn a_missing_column_names_the_nearest() {
     assert_eq!(
         message("# x\nposition_m,time_s\n0,1\n"),
-        "hand.csv:2:12: the header has no column `t_s`, the nearest is `time_s`; needed are \
+        "hand.csv:2:12: the header has no column `t_s`, the nearest is `time_s`; needed: \
          `t_s` [s] and `position_m` [m], separated by commas, semicolons or tabs, in any order"
     );
     assert_eq!(
         message("t_s,posiiton_m\n0,1\n"),
         "hand.csv:1:5: the header has no column `position_m`, the nearest is `posiiton_m`; \
-         needed are `t_s` [s] and `position_m` [m], separated by commas, semicolons or tabs, in any order"
+         needed: `t_s` [s] and `position_m` [m], separated by commas, semicolons or tabs, in any order"
     );
 }
 
@@ -365,7 +365,7 @@ fn a_header_that_is_nothing_like_it_is_marked_whole() {
     assert_eq!(&place.text()[place.span()], "0,1");
     assert_eq!(
         error.to_string(),
-        "hand.csv:1:1: the header has no column `t_s`; needed are `t_s` [s] and `position_m` \
+        "hand.csv:1:1: the header has no column `t_s`; needed: `t_s` [s] and `position_m` \
          [m], separated by commas, semicolons or tabs, in any order"
     );
 }
@@ -383,7 +383,7 @@ fn a_word_is_not_a_number() {
     let error = parse("# one\n\nt_s,position_m\n0,1\n\n# two\n0.5, fast\n").unwrap_err();
     assert_eq!(
         error.to_string(),
-        "hand.csv:7:6: `fast` in column `position_m` is not a number; allowed are decimals \
+        "hand.csv:7:6: `fast` in column `position_m` is not a number; allowed: decimals \
          such as 0.001 or 1e-3"
     );
     let place = error.place().unwrap();
@@ -394,7 +394,7 @@ fn a_word_is_not_a_number() {
 fn an_empty_field_is_not_a_number() {
     assert_eq!(
         message("t_s,position_m\n0,\n"),
-        "hand.csv:2:3: `` in column `position_m` is not a number; allowed are decimals such \
+        "hand.csv:2:3: `` in column `position_m` is not a number; allowed: decimals such \
          as 0.001 or 1e-3"
     );
 }

@@ -118,7 +118,7 @@ impl fmt::Display for Spacing {
             Some(unit) => write!(f, "; is the unit of the times {unit}?"),
             None => write!(
                 f,
-                ", at most {LONGEST_STEP} s and at least {SHORTEST_STEP} s are usual"
+                "; usual: at most {LONGEST_STEP} s and at least {SHORTEST_STEP} s"
             ),
         }
     }

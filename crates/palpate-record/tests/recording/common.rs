@@ -185,7 +185,7 @@ pub fn content(recording: &Recording) -> (Vec<Row>, Vec<Event>) {
         match entry.unwrap() {
             Entry::Tick(tick, contacts, _, _) => {
                 assert_eq!(contacts.len(), 1, "tick {}", tick.sequence);
-                rows.extend(Row::of(tick, &contacts));
+                rows.extend(Row::new(tick, &contacts));
             }
             Entry::Event(event) => events.push(event),
         }

@@ -57,7 +57,7 @@ fn numbers(recording: &Recording) -> Vec<u64> {
         };
         let written = contacts(tick.sequence);
         let said = |contacts: &[ContactTick], tick: Tick| -> Vec<_> {
-            Row::of(tick, contacts).map(|row| bits(&row)).collect()
+            Row::new(tick, contacts).map(|row| bits(&row)).collect()
         };
         let expected = Tick {
             contacts: u32::try_from(written.len()).unwrap(),
@@ -216,7 +216,7 @@ fn a_tick_whose_contacts_are_not_all_there_is_missing() {
         (topic, sequence, of_tick) != ("/contact", 2, 1)
     };
     let recording = scratch.open(&rewritten(&bytes, keeps)).unwrap();
-    let why = "contact 1 of tick 2 stands where contact 0 must";
+    let why = "contact 1 of tick 2 is in the position of contact 0";
     assert!(recording.damage[0].ends_with(why), "{:?}", recording.damage);
     assert!(!numbers(&recording).contains(&2));
 }

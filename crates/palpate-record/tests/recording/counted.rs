@@ -76,7 +76,7 @@ fn more_than_the_loop_counted_is_not_what_was_written() {
         let (_folder, recording) = recorded(0..5, Some(&counted));
         assert!(!recording.is_whole());
         assert_eq!(recording.damage.len(), 1, "{:?}", recording.damage);
-        assert!(recording.damage[0].contains("the count of the loop"));
+        assert!(recording.damage[0].contains("the counters of the loop"));
     }
 }
 

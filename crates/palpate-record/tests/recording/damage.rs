@@ -127,7 +127,7 @@ fn a_damaged_chunk_is_left_out_and_what_follows_is_read() {
     assert_eq!(
         recording.damage[0],
         format!(
-            "the chunk at byte {}: its checksum does not fit its bytes",
+            "the chunk at byte {}: its checksum does not match its bytes",
             sizes[1]
         )
     );
@@ -151,7 +151,7 @@ fn a_chunk_whose_numbers_do_not_rise_is_left_out_and_counted() {
     assert_eq!(
         recording.damage,
         [format!(
-            "the chunk at byte {}: tick 3 does not come after the one before it",
+            "the chunk at byte {}: tick 3 does not come after the previous one",
             sizes[2]
         )]
     );
@@ -174,14 +174,11 @@ fn a_recording_whose_first_chunk_is_damaged_still_has_its_ticks() {
 fn bytes_behind_the_end_are_counted_and_nothing_else_is_wrong() {
     let (bytes, _) = small(true);
     for (count, words) in [
-        (1, "1 byte stands behind the end of the recording"),
-        (20_000, "20000 bytes stand behind the end of the recording"),
+        (1, "1 byte follows the end of the recording"),
+        (20_000, "20000 bytes follow the end of the recording"),
         (
             bytes.len(),
-            &format!(
-                "{} bytes stand behind the end of the recording",
-                bytes.len()
-            ),
+            &format!("{} bytes follow the end of the recording", bytes.len()),
         ),
     ] {
         let behind = bytes.iter().cycle().take(count);
@@ -223,7 +220,7 @@ fn what_is_no_recording_is_refused_by_name() {
     let (bytes, _) = small(true);
     assert_eq!(
         message(&bytes[..100]),
-        format!("{path}: cut off within its metadata: nothing was recorded in it yet")
+        format!("{path}: cut off within its metadata: it contains no recorded data")
     );
     let mut other = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
     other.finish().unwrap();

@@ -33,7 +33,7 @@ fn a_recording_overwrites_nothing() {
     assert_eq!(
         error.to_string(),
         format!(
-            "cannot write `{}`: there is a file of that name; a recording overwrites nothing, so \
+            "cannot write `{}`: there is a file of that name; a recording overwrites no file, so \
              name another or move it away",
             path.display()
         )
@@ -47,8 +47,8 @@ fn a_recording_overwrites_nothing() {
 fn what_can_be_no_recording_is_named_for_what_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let inside = folder.path().display().to_string();
-    let no_file = "it is no regular file; a recording is a file in a folder, where it grows under the \
-                   name with `.part` behind it";
+    let no_file = "it is not a regular file; a recording is a file in a folder and grows there under \
+                   its name with `.part` appended";
     for (path, words) in [
         ("/dev/full".to_owned(), no_file),
         ("/dev/null".to_owned(), no_file),
@@ -78,7 +78,7 @@ fn neither_does_it_overwrite_what_was_cut_off() {
     assert!(
         error
             .to_string()
-            .contains("tap.mcap.part` is what an earlier recording left"),
+            .contains("tap.mcap.part` is an unfinished recording"),
         "{error}"
     );
     let part = folder.path().join("tap.mcap.part");

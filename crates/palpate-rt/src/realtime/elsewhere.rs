@@ -1,6 +1,6 @@
 //! Stub for systems without support of real-time requests.
 
-const WHY: &str = "only asked for on Linux";
+const WHY: &str = "available on Linux only";
 
 pub fn run_first(_priority: u8) -> Result<(), String> {
     Err(WHY.to_owned())

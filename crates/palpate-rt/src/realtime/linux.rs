@@ -14,7 +14,7 @@ pub fn run_first(priority: u8) -> Result<(), String> {
     let value = ThreadPriorityValue::try_from(priority)
         .ok()
         .filter(|_| (1..=99).contains(&priority))
-        .ok_or("a priority is 1 to 99")?;
+        .ok_or("allowed: 1 to 99")?;
     let asked = set_thread_priority_and_policy(
         thread_native_id(),
         ThreadPriority::Crossplatform(value),
@@ -45,7 +45,7 @@ pub fn lock_memory() -> Result<(), String> {
 
 pub fn stay_on(processor: usize) -> Result<(), String> {
     if processor >= CpuSet::MAX_CPU {
-        return Err(format!("processors are 0 to {}", CpuSet::MAX_CPU - 1));
+        return Err(format!("allowed: 0 to {}", CpuSet::MAX_CPU - 1));
     }
     let mut only = CpuSet::new();
     only.set(processor);
@@ -86,7 +86,7 @@ pub fn scheduling() -> Result<(&'static str, u32), String> {
         3 => "BATCH",
         5 => "IDLE",
         6 => "DEADLINE",
-        _ => "a policy without a name",
+        _ => "an unknown policy",
     };
     Ok((policy, field(40)?))
 }
@@ -98,5 +98,5 @@ fn status(key: &str) -> Result<u64, String> {
     text.lines()
         .find_map(|line| line.strip_prefix(key)?.strip_prefix(':'))
         .and_then(|rest| rest.split_whitespace().next()?.parse().ok())
-        .ok_or_else(|| format!("{path} does not say {key}"))
+        .ok_or_else(|| format!("{path} has no {key}"))
 }

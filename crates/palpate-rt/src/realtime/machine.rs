@@ -29,8 +29,7 @@ pub fn machine() -> Vec<Finding> {
     };
     add("kernel", kernel(), &|found| {
         (!found.contains("PREEMPT_RT")).then_some(
-            "not a real-time kernel: wake-ups are late by tens of microseconds now and then, and \
-             nobody bounds by how much",
+            "not a real-time kernel: wake-ups can be late by tens of microseconds or more, without an upper bound",
         )
     });
     let processors = std::thread::available_parallelism().ok();
@@ -40,22 +39,24 @@ pub fn machine() -> Vec<Finding> {
         &|found| (found == "1").then_some("the loop shares its processor with everything else"),
     );
     add("share for real-time threads", runtime_share(), &|found| {
-        (found != "all").then_some("a loop that spins all the time is stopped for the rest of it")
+        (found != "all")
+            .then_some("a loop that spins all the time is suspended for the remaining share")
     });
     add(
         "frequency governor",
         read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor"),
         &|found| {
             (found != "performance").then_some(
-                "clock rates change: `cpupower frequency-set -g performance` keeps them up",
+                "clock rates change: `cpupower frequency-set -g performance` keeps them high",
             )
         },
     );
     add("isolated processors", isolated(), &|found| {
-        (found == "none").then_some("none is kept free for the loop (kernel option `isolcpus`)")
+        (found == "none")
+            .then_some("no processor is reserved for the loop (kernel option `isolcpus`)")
     });
     add("virtual machine", hypervisor(), &|found| {
-        (found != "no").then_some("the host may take the processor away at any time")
+        (found != "no").then_some("the host can suspend the loop at any time")
     });
     findings
 }

@@ -52,24 +52,23 @@ impl Request {
             answers.push(Answer {
                 asked: format!("SCHED_FIFO, priority {priority}"),
                 outcome: linux::run_first(priority),
-                remedy: "run as root, give the program the right (`setcap cap_sys_nice+ep \
-                         PROGRAM`), or let your user have it: a line `@GROUP - rtprio 95` in \
-                         /etc/security/limits.d/, then log in again",
+                remedy: "run as root, give the program the capability (`setcap cap_sys_nice+ep PROGRAM`), or add a \
+                         line `@GROUP - rtprio 95` in /etc/security/limits.d/, then log in again",
             });
         }
         if self.lock_memory {
             answers.push(Answer {
                 asked: "memory locked".to_owned(),
                 outcome: linux::lock_memory(),
-                remedy: "a line `@GROUP - memlock unlimited` in /etc/security/limits.d/, then log \
-                         in again (`ulimit -l` says what is allowed)",
+                remedy: "add a line `@GROUP - memlock unlimited` in /etc/security/limits.d/, then log in again \
+                         (`ulimit -l` prints the limit)",
             });
         }
         if let Some(processor) = self.processor {
             answers.push(Answer {
                 asked: format!("processor {processor} only"),
                 outcome: linux::stay_on(processor),
-                remedy: "name a processor that the program may run on (`nproc`, `taskset -p $$`)",
+                remedy: "choose a processor that the program may use (`nproc`, `taskset -p $$`)",
             });
         }
         answers

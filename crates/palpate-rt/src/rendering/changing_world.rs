@@ -71,7 +71,7 @@ pub enum WorldChangeError {
     },
     /// The devices or bodies differ, or are in another order: rows of ticks refer to their indices.
     #[error(
-        "{what} are {then}, but must stay {now} while the loop runs: ticks go by their numbers"
+        "{what} are {then}, but must stay {now} while the loop runs: ticks refer to their indices"
     )]
     Names {
         /// Kind of the items, in the plural.
@@ -83,14 +83,14 @@ pub enum WorldChangeError {
     },
     /// The frame of a device, or whether its tool rotates, differs.
     #[error(
-        "the device must stand in the world as it does, and turn or not as it does, while the loop runs"
+        "the frame of a device, and whether its tool rotates, cannot change while the loop runs"
     )]
     Device,
     /// The world cannot continue from the previous one.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Succession(Vec<WorldError>),
     /// The loop has not taken the earlier worlds.
-    #[error("{WAITING} worlds wait to be rendered already; the loop takes them with its next tick")]
+    #[error("{WAITING} worlds are already queued; the loop takes them at its next tick")]
     Busy,
 }
 
@@ -205,7 +205,7 @@ impl Worlds {
             between.collect::<Vec<_>>()
         };
         let (now, then) = (pairs(&self.last), pairs(world));
-        same("the pairs that may touch", now.join(", "), then.join(", "))?;
+        same("the contact pairs", now.join(", "), then.join(", "))?;
         if self.last.frames() != world.frames() || self.last.turns() != world.turns() {
             return Err(WorldChangeError::Device);
         }

@@ -50,7 +50,7 @@ pub enum FrameError {
     #[error("two axes of the device are the same axis of the world, {}", name(*.0))]
     Twice(usize),
     /// A position that is not finite.
-    #[error("a place of the frame is not a finite number")]
+    #[error("a position of the frame is not finite")]
     NotFinite,
 }
 

@@ -25,7 +25,7 @@ pub enum Turns {
 }
 
 impl Turns {
-    fn of(tool: &Tool) -> Self {
+    fn new(tool: &Tool) -> Self {
         match (tool.turns, tool.gives_torque) {
             (false, _) => Self::No,
             (true, true) => Self::WithTorque,
@@ -89,7 +89,7 @@ impl RenderedWorld {
                 given: frames.len(),
             });
         }
-        let turns: Vec<_> = world.tools.iter().map(Turns::of).collect();
+        let turns: Vec<_> = world.tools.iter().map(Turns::new).collect();
         let mut placed = turns.iter().zip(&frames);
         if placed.any(|(turns, frame)| *turns != Turns::No && !frame.is_aligned()) {
             return Err(SetupError::TurnedFrame);

@@ -146,7 +146,7 @@ impl SafetyParams {
         positive("window of recoveries", window)?;
         if let Some(too_many) = too_many {
             named(
-                "number of recoveries that is too many",
+                "number of recoveries",
                 too_many.into(),
                 (2..=REMEMBERED).contains(&usize::try_from(too_many).unwrap_or(usize::MAX)),
                 "2 to 32",
@@ -156,7 +156,7 @@ impl SafetyParams {
             "periods without a sample",
             self.stale_after.into(),
             (1..=2).contains(&self.stale_after),
-            "1 or 2: after two periods no force may be left on",
+            "1 or 2: after two periods the force must be 0",
         )?;
         named(
             "soft start",

@@ -80,15 +80,15 @@ impl fmt::Display for SafetyStop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::NotANumber => "a position or a force was not a finite number",
-            Self::StaleSample => "the device gave no fresh sample",
+            Self::StaleSample => "the device delivered no new sample",
             Self::TooFast => "the device moved faster than the largest speed",
             Self::Stalled => "the loop did not tick in time",
             Self::OutsideWorkspace => "the device left its workspace",
             Self::Oscillation => "held forces created energy: the contact oscillates",
             Self::TooManyRecoveries => {
-                "the loop lost its force and recovered too often: it stood still, or lacked good samples"
+                "too many recoveries: the loop stalled, or lacked valid samples"
             }
-            Self::DeviceRefused => "the device did not take a force",
+            Self::DeviceRefused => "the device refused a force",
             Self::DeviceLost => "the device is gone",
         })
     }

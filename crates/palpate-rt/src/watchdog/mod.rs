@@ -7,7 +7,7 @@
 //! [`Orders::release`] itself.
 //!
 //! ```text
-//! driver --- packets ------------> port <------- release --- guardian
+//! driver --- packets ------------> port <------- release --- watchdog
 //!    \                                                         /
 //!     +------ "a force may be on, at 12.345 s" --------------->
 //!      <----- "I have commanded no force" --------------------
@@ -154,7 +154,7 @@ pub enum WatchdogError {
     #[error("its process cannot be started: {0}")]
     Spawn(io::Error),
     /// The process has started and does not answer.
-    #[error("its process has started and does not answer: {0}")]
+    #[error("its process has started but does not answer: {0}")]
     Silent(io::Error),
 }
 
@@ -231,7 +231,7 @@ impl Watchdog {
         socket.read_exact(&mut ready)?;
         let [said, is_first] = ready;
         if said != READY {
-            return Err(io::Error::other("it is another program"));
+            return Err(io::Error::other("another program was started"));
         }
         self.account
             .is_first

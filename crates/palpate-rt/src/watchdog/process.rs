@@ -77,10 +77,10 @@ fn outcome_in_words(outcome: Outcome) -> Option<&'static str> {
         Outcome::Released {
             is_confirmed: true, ..
         } => Some(
-            "watchdog: the loop is gone and had left a force on; the force is off, the board has answered",
+            "watchdog: the loop ended with a force on; the force is now 0, confirmed by the board",
         ),
         Outcome::Released { .. } => Some(
-            "watchdog: the loop is gone and had left a force on; the board does not answer and may \
+            "watchdog: the loop ended with a force on; the board does not answer and may \
              hold it: switch the motors off",
         ),
     }

@@ -220,7 +220,7 @@ fn what_cannot_change_is_refused_and_nothing_changes() {
     other.loop_params.period = 0.002;
     assert_eq!(
         parameters.change(other).unwrap_err().to_string(),
-        "the period is 0.002 s, and the loop runs at 0.001 s; stop it to change that"
+        "the period is 0.002 s, and the loop runs at 0.001 s; stop the loop to change its period"
     );
     let mut other = running;
     other.contact.side = Side::Negative;

@@ -60,7 +60,7 @@ pub(crate) fn simulated(
     SteppedClock,
 ) {
     let clock = SteppedClock::new();
-    let device = SimulatedDevice::of(scene, clock.clone()).unwrap();
+    let device = SimulatedDevice::new(scene, clock.clone()).unwrap();
     let rendering = scene.rendering(method).unwrap();
     let control = ControlLoop::new(device, clock.clone(), rendering, limits).unwrap();
     (control, clock)

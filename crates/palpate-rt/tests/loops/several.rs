@@ -321,7 +321,7 @@ fn a_fault_of_one_device_takes_the_force_off_both_and_is_named() {
             let name = ["left", "right"][at_fault];
             assert_eq!(
                 text,
-                format!("device `{name}`: {safety_stop}; no device has a force")
+                format!("device `{name}`: {safety_stop}; the force of all devices is 0")
             );
             // The force returns gradually on both, or stays off on both until the safety is rearmed.
             let still_there = if safety_stop == SafetyStop::TooFast {
@@ -402,7 +402,7 @@ fn one_missing_sample_of_one_device_is_bridged() {
 }
 
 #[test]
-fn the_supervisor_and_each_guardian_cut_all() {
+fn the_supervisor_and_each_watchdog_cut_all() {
     let (mut control, clock) = scripted([touching(1.0, 20), touching(1.0, 20)], [limits(); 2]);
     let zeroed: Vec<_> = control.devices().map(|d| d.times_zeroed()).collect();
     let watchdogs: Vec<_> = control.devices().map(|d| d.watchdog()).collect();
@@ -489,7 +489,7 @@ fn a_loop_has_a_device_for_each_tool() {
     let error = refused.err().unwrap().to_string();
     assert_eq!(
         error,
-        "the world has 2 devices, and 1 are given; allowed: one for each"
+        "the world has 2 devices, but 1 are given; allowed: one for each"
     );
 }
 

@@ -131,7 +131,7 @@ fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
 fn a_simulated_device_that_is_cut_holds_no_force_from_then_on() {
     let scene = scene("wall.toml");
     let clock = SteppedClock::new();
-    let mut devices = [0, 1].map(|_| SimulatedDevice::of(&scene, clock.clone()).unwrap());
+    let mut devices = [0, 1].map(|_| SimulatedDevice::new(&scene, clock.clone()).unwrap());
     let mut zero = devices[0].zero_writer().unwrap();
     for device in &mut devices {
         device.read().unwrap();

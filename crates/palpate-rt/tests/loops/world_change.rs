@@ -253,12 +253,12 @@ fn what_cannot_take_its_place_is_refused() {
     let names = refused(&|other| other.world.bodies[1].name = "cube".into());
     assert_eq!(
         names.to_string(),
-        "the bodies are floor, cube, but must stay floor, ball while the loop runs: ticks go by their numbers"
+        "the bodies are floor, cube, but must stay floor, ball while the loop runs: ticks refer to their indices"
     );
     assert!(matches!(
         refused(&|other| other.world.contacts.clear()),
         WorldChangeError::Names {
-            what: "the pairs that may touch",
+            what: "the contact pairs",
             ..
         }
     ));

@@ -72,7 +72,8 @@ impl Reading {
             .get_ref()
             .contains(|letter: char| letter.is_control() || "\",".contains(letter))
         {
-            let message = "a device's name begins names of columns, so it has no comma, quotation mark or control character";
+            let message = "a device's name begins column names, so it must have no comma, quotation mark or control \
+                           character";
             self.fault(raw.name.span(), message);
         }
         let name = self.places.take(place, WorldField::Name, raw.name);
@@ -146,8 +147,8 @@ impl Reading {
     /// Returns the mass along each axis; infinite along missing axes of the device.
     fn mass(&mut self, mass: &Spanned<PerAxis>, known: Option<[bool; 3]>) -> Vector {
         if mass.get_ref().given().contains(&f64::INFINITY) {
-            let message = "mass_kg is inf: name in `axes` the axes that the device has, such as axes = [\"x\", \"y\"], and give \
-                           masses along these only";
+            let message = "mass_kg is inf: list the axes of the device in `axes`, such as axes = [\"x\", \"y\"], and \
+                           give masses along these only";
             self.fault(mass.span(), message);
             return [1.0; 3];
         }
@@ -183,8 +184,8 @@ impl Reading {
                 .fold(0.0, |most: f64, part| most.max(part.abs()));
             if off > MAX_BEYOND * size {
                 let message = format!(
-                    "{key} has a part of {off} along an axis that the device lacks by its `axes`: its mechanism holds it there; \
-                     write what lies along its axes only"
+                    "{key} has a component of {off} along an axis that is not in the `axes` of the device: its \
+                     mechanism blocks that axis; give components along its axes only"
                 );
                 self.fault(value.span(), message);
             }
@@ -195,8 +196,8 @@ impl Reading {
             let name = ["x", "y", "z"][axis];
             if given != held[axis] {
                 let message = format!(
-                    "{key} is {given} along {name}, and by its `axes` the device moves along {} only: its mechanism holds it \
-                     along {name}; write {} there",
+                    "{key} is {given} along {name}, but the `axes` of the device are {} only: its mechanism blocks \
+                     {name}; write {} there",
                     tool.names_of_axes(),
                     held[axis]
                 );
@@ -246,7 +247,7 @@ impl Reading {
             for (key, span) in spans.into_iter().chain(more) {
                 if let Some(span) = span {
                     let message = format!(
-                        "{key} is of a device of six axes, which has inertia_kg_m2, three moments"
+                        "{key} needs a device of six axes, with inertia_kg_m2 (three moments)"
                     );
                     self.fault(span, message);
                 }

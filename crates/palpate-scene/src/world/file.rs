@@ -176,7 +176,7 @@ impl WorldFile {
         let scene = left.read.map(|raw| reading.scene(raw));
         let at = |(span, message)| SceneError::at(name, source, span, message);
         match (
-            SceneErrors::of(reading.faults.into_iter().map(at).collect()),
+            SceneErrors::new(reading.faults.into_iter().map(at).collect()),
             scene,
         ) {
             (None, Some(scene)) => Ok(Self {
@@ -187,7 +187,7 @@ impl WorldFile {
                 notes: reading.notes,
             }),
             (Some(errors), _) => Err(errors),
-            (None, None) => unreachable!("what cannot be read has a fault"),
+            (None, None) => unreachable!("an unreadable file has a fault"),
         }
     }
 
@@ -229,7 +229,7 @@ impl Reading {
         if *raw.format.get_ref() != WORLD_FORMAT {
             let given = raw.format.get_ref();
             let message = format!(
-                "format is {given}; a world with [[device]] and [[body]] has {WORLD_FORMAT}"
+                "format is {given}; a world with [[device]] and [[body]] needs {WORLD_FORMAT}"
             );
             self.fault(raw.format.span(), message);
         }
@@ -368,7 +368,7 @@ impl Reading {
         }
         if let Some(factor) = raw.device_mass_factor {
             if model_mass.is_some() {
-                let message = "the renderer is told either device_mass_kg or device_mass_factor";
+                let message = "give either device_mass_kg or device_mass_factor, not both";
                 self.fault(factor.span(), message);
             }
             let factor = self.number("device_mass_factor", factor, Range::Positive);
@@ -545,7 +545,7 @@ impl Reading {
             unit(orientation)
         });
         if raw.name.get_ref().contains(char::is_control) {
-            let message = "a body's name stands in lines of text, so it has no control character";
+            let message = "a body's name must have no control character";
             self.fault(raw.name.span(), message);
         }
         let name = self.places.take(place, Field::Name, raw.name);

@@ -49,10 +49,10 @@ impl Reading {
         let span = raw.between.span();
         let [body, against] = self.places.take(place, WorldField::Between, raw.between);
         if body == WORLD {
-            let message = "the first of the two is a body that moves; \"world\" may be the second";
+            let message = "the first name must be a moving body; \"world\" may be the second";
             self.fault(span, message);
         } else if bodies.iter().any(|body| body.name == WORLD) {
-            let message = "\"world\" is what is no body, and there is a body of that name; give it another one";
+            let message = "\"world\" is the fixed world, but a body has that name; rename the body";
             self.fault(span, message);
         }
         let mut of_kind = OfKind {

@@ -123,7 +123,7 @@ impl RawMesh {
             );
         }
         if self.file.is_none() && (self.unit.is_some() || self.scale.is_some()) {
-            return Err("unit and scale are of a mesh's file, and there is none".into());
+            return Err("unit and scale need a mesh file".into());
         }
         let (mut mesh, mut words) = self.surface(folder)?;
         if self.file.is_some() {
@@ -164,7 +164,7 @@ impl RawMesh {
         } else {
             match (&self.vertices_m, &self.faces) {
                 (Some(vertices), Some(faces)) => (vertices.clone(), faces.clone()),
-                _ => return Err("a mesh by its triangles needs both vertices_m and faces".into()),
+                _ => return Err("a mesh of triangles needs both vertices_m and faces".into()),
             }
         };
         let is_turned = self.turned.unwrap_or(false);
@@ -177,7 +177,8 @@ impl RawMesh {
         })?;
         if is_turned && mesh.is_closed() {
             return Err(
-                "turned is of an open mesh: which side of a closed one is outside is found without it".into(),
+                "turned is for an open mesh; the outside of a closed one is found without it"
+                    .into(),
             );
         }
         Ok((mesh, words))
@@ -220,7 +221,7 @@ impl RawHull {
             },
         };
         if self.file.is_none() && (self.unit.is_some() || self.scale.is_some()) {
-            return Err("unit and scale are of a hull's file, and there is none".into());
+            return Err("unit and scale need a hull file".into());
         }
         let mut of_numbers = |points: &[Vector]| around(points).map_err(|error| error.to_string());
         let (hull, file) = match (&self.points_m, self.prism, &self.file) {
@@ -240,8 +241,8 @@ impl RawHull {
         )];
         if let Some(left_out) = left_out {
             words.push(format!(
-                "points that are up to {:.3} mm outside were left out, since more corners than {} would be needed; give within_m \
-                 for others",
+                "points up to {:.3} mm outside were left out, because the hull needs more than {} corners; set \
+                 another tolerance by within_m",
                 1e3 * left_out,
                 Hull::MAX_CORNERS
             ));
@@ -304,7 +305,7 @@ fn in_metres(
     scale: Option<Scale>,
 ) -> Result<(gallery::Triangles, Option<String>), String> {
     let unit = unit.ok_or(
-        "a mesh file does not say its unit: give unit = \"mm\", or one of \"m\", \"cm\", \"um\", \"in\"",
+        "a mesh file does not contain its unit: give unit = \"mm\", or one of \"m\", \"cm\", \"um\", \"in\"",
     )?;
     let factors = Scale::factors(scale)?;
     let ((mut vertices, mut faces), note) = triangles(path)?;
@@ -326,7 +327,7 @@ impl RawBumpySphere {
             cells,
         } = *self;
         if !(radius_m > 0.0 && radius_m.is_finite() && waves.is_finite()) {
-            return Err("a bumpy sphere needs a radius_m above 0, and waves".into());
+            return Err("a bumpy sphere needs finite radius_m above 0 and finite waves".into());
         }
         if !(height_m >= 0.0 && height_m < radius_m) {
             return Err(format!(
@@ -355,8 +356,8 @@ impl RawRevolved {
         let triangles = 2.0 * rings * f64::from(self.segments);
         if triangles > Mesh::MAX_TRIANGLES as f64 || triangles.is_nan() {
             return Err(format!(
-                "the profile makes about {triangles:.0} triangles, and at most {} are taken; give fewer segments or a \
-                 larger longest_m",
+                "the profile makes about {triangles:.0} triangles, and at most {} are allowed; give fewer segments or \
+                 a larger longest_m",
                 Mesh::MAX_TRIANGLES
             ));
         }
@@ -373,7 +374,7 @@ fn triangles(path: &Path) -> Result<(gallery::Triangles, Option<String>), String
     let at = |why: String| format!("{}: {why}", path.display());
     // In a browser there are no files, and the readers are 3 % of the download.
     if cfg!(target_family = "wasm") {
-        return Err(at("a page reads no files".into()));
+        return Err(at("a web page reads no files".into()));
     }
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str() {
@@ -391,7 +392,7 @@ fn triangles(path: &Path) -> Result<(gallery::Triangles, Option<String>), String
             .map(|read| (read, None))
             .map_err(at),
         _ => Err(at(
-            "a mesh is read from a file with the ending .stl or .obj".into(),
+            "a mesh needs a file with the extension .stl or .obj".into()
         )),
     }
 }
@@ -427,7 +428,7 @@ fn unusual(mesh: &Mesh) -> Vec<String> {
     let mut words = Vec::new();
     if mesh.dropped() > 0 {
         words.push(format!(
-            "{} that have no area, are there twice or lie between touching parts were left out",
+            "triangles left out (no area, duplicate or between touching parts): {}",
             mesh.dropped()
         ));
     }
@@ -444,8 +445,8 @@ fn unusual(mesh: &Mesh) -> Vec<String> {
     }
     if !mesh.is_closed() {
         words.push(format!(
-            "it has open edges, so that it is touched from the front of its triangles only, which on average faces {}; \
-             turned = true turns it round",
+            "it has open edges, so contacts act on the front of its triangles only, which on average faces {}; \
+             turned = true reverses it",
             facing(mesh)
         ));
     }

@@ -26,7 +26,7 @@ impl RawShell {
         };
         let shell = shell.map_err(|error| error.to_string())?;
         let words = format!(
-            "a shell of {} points, of which {} share a law, and no place of the surface further than {:.3} mm from one",
+            "a shell of {} points, of which {} share a law, at most {:.3} mm from any point of the surface",
             shell.points().len(),
             shell.sharers(),
             1e3 * shell.widest_gap()
@@ -48,7 +48,7 @@ impl RawDistanceGrid {
     /// missing, or belongs to another mesh or spacing, the grid is computed and saved there.
     pub fn onto(&self, mesh: Mesh, folder: &Path) -> Result<(Mesh, String), String> {
         let spacing = self.spacing_m;
-        let make = || DistanceGrid::of(&mesh, spacing).map_err(|error| error.to_string());
+        let make = || DistanceGrid::new(&mesh, spacing).map_err(|error| error.to_string());
         let (grid, whence) = match &self.file {
             None => (make()?, String::new()),
             Some(name) => {
@@ -59,15 +59,15 @@ impl RawDistanceGrid {
                         let grid = make()?;
                         let why = match other {
                             Kept::OfAnother => {
-                                ", made anew, for the one that was there is of another mesh or spacing,"
+                                ", recomputed because the saved one is of another mesh or spacing,"
                             }
                             _ => ",",
                         };
                         let put = atomic::write(&path, |file| file.write_all(&grid.to_bytes()));
                         let whence = match put {
-                            Ok(()) => format!("{why} kept in {name}"),
+                            Ok(()) => format!("{why} saved in {name}"),
                             // The scene is whole without the file; next time it takes as long again.
-                            Err(error) => format!("{why} not kept: {error}"),
+                            Err(error) => format!("{why} not saved: {error}"),
                         };
                         (grid, whence)
                     }
@@ -77,8 +77,8 @@ impl RawDistanceGrid {
         let [x, y, z] = grid.counts();
         let error = grid.error();
         let words = format!(
-            "a distance grid of {x} x {y} x {z} nodes{whence}; its surface is off that of the mesh by up to {:.3} mm, \
-             {:.4} mm in the root mean square",
+            "a distance grid of {x} x {y} x {z} nodes{whence}; its surface deviates from the mesh by up to {:.3} mm, \
+             {:.4} mm root mean square",
             1e3 * error.largest,
             1e3 * error.root_mean_square
         );
@@ -93,8 +93,8 @@ fn beside(folder: &Path, name: &str) -> Result<PathBuf, String> {
     let has_name = Path::new(name).file_name().is_some();
     if !(has_name && Path::new(name).components().all(is_below)) {
         return Err(format!(
-            "distance_grid.file is {name:?}: allowed is a file beside the scene's or in a folder there, by a name without '..' that \
-             does not begin at the root"
+            "distance_grid.file is {name:?}, but must be a relative path without '..', in the scene's folder or \
+             below"
         ));
     }
     let mut path = folder.to_owned();
@@ -105,8 +105,8 @@ fn beside(folder: &Path, name: &str) -> Result<PathBuf, String> {
             .is_ok_and(|found| found.is_symlink())
         {
             return Err(format!(
-                "distance_grid.file is {name:?}, but {} is a symbolic link: allowed is a file that lies beside the scene's or in a \
-                 folder there",
+                "distance_grid.file is {name:?}, but {} is a symbolic link; name a file in the scene's \
+                 folder or below",
                 path.display()
             ));
         }

@@ -33,7 +33,7 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, String> {
                 if corners.len() < 3 {
                     let count = corners.len();
                     return Err(at(format!(
-                        "a face of {count} corners; it needs at least 3"
+                        "a face has {count} corners; it needs at least 3"
                     )));
                 }
                 polygons.push((number + 1, corners));
@@ -46,7 +46,7 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, String> {
     for (line, polygon) in polygons {
         if let Some(lacking) = polygon.iter().find(|&&corner| corner >= places.len()) {
             return Err(format!(
-                "line {line}: a face has vertex {}, and the file has {} of them",
+                "line {line}: a face has vertex {}, but the number of vertices is {}",
                 lacking + 1,
                 places.len()
             ));
@@ -71,14 +71,15 @@ fn place<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vector, String> {
     let numbers: Vec<&str> = words.collect();
     if numbers.len() < 3 {
         return Err(format!(
-            "a vertex of {} numbers; it needs at least 3",
+            "a vertex has {} numbers; it needs at least 3",
             numbers.len()
         ));
     }
     let mut place = [0.0; 3];
     for (own, word) in place.iter_mut().zip(&numbers) {
         let read = word.parse::<f64>().ok().filter(|x| x.is_finite());
-        *own = read.ok_or_else(|| format!("a vertex has {word:?}, which is no finite number"))?;
+        *own =
+            read.ok_or_else(|| format!("a vertex has {word:?}, which is not a finite number"))?;
     }
     Ok(place)
 }
@@ -89,13 +90,13 @@ fn corner(word: &str, so_far: usize) -> Result<usize, String> {
     let wrong = |why: &str| format!("a face has vertex {vertex:?}, {why}");
     let number: i64 = vertex
         .parse()
-        .map_err(|_| wrong("which is no whole number"))?;
+        .map_err(|_| wrong("which is not a whole number"))?;
     let index = match number {
-        0 => return Err(wrong("and vertices are counted from 1, or back from -1")),
+        0 => return Err(wrong("but vertices are counted from 1, or back from -1")),
         1.. => number - 1,
         _ => number.saturating_add(so_far as i64),
     };
-    usize::try_from(index).map_err(|_| wrong(&format!("and there are {so_far} before it")))
+    usize::try_from(index).map_err(|_| wrong(&format!("but {so_far} are before it")))
 }
 
 /// Most of a polygon's area by which its triangles may differ from it.
@@ -126,7 +127,10 @@ fn cut(outline: &[Vector]) -> Result<Vec<[usize; 3]>, String> {
         .map(|&triangle| along(doubled_area(outline, triangle)));
     let (covered, own) = (covered.map(f64::abs).sum::<f64>(), along(whole));
     if (covered - own).abs() > CROSSED * own {
-        return Err("the outline of a face crosses itself, so that its inside is not known; cut it into triangles".into());
+        return Err(
+            "the outline of a face crosses itself, so its inside is unknown; cut it into triangles"
+                .into(),
+        );
     }
     Ok(triangles
         .iter()

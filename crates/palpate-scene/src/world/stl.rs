@@ -45,7 +45,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<ReadStl, String> {
         ));
     }
     let plural = if more == 1 { "" } else { "s" };
-    let note = format!("{more} byte{plural} after the last triangle left out");
+    let note = format!("{more} byte{plural} after the last triangle ignored");
     Ok(binary(bytes, Some(note)))
 }
 
@@ -119,14 +119,14 @@ fn text(text: &str) -> Result<Vec<[Vector; 3]>, String> {
                     let triangle = <[Vector; 3]>::try_from(corners.as_slice());
                     triangles.push(triangle.map_err(|_| {
                         let count = corners.len();
-                        wrong(format!("a facet of {count} vertices; it needs 3"))
+                        wrong(format!("a facet has {count} vertices; it needs 3"))
                     })?);
                     corners.clear();
                 }
                 _ => {
                     return Err(wrong(format!(
-                        "{word:?} is no word of an STL file; such a file has solid, facet normal, outer loop, vertex, endloop, \
-                         endfacet and endsolid"
+                        "{word:?} is not a word of an STL file; the words are solid, facet normal, outer loop, \
+                         vertex, endloop, endfacet and endsolid"
                     )));
                 }
             }
@@ -134,7 +134,8 @@ fn text(text: &str) -> Result<Vec<[Vector; 3]>, String> {
     }
     if is_in_solid || !corners.is_empty() {
         return Err(format!(
-            "the file ends after {} triangles without \"endsolid\", so it may have been cut off; if it is whole, add that line",
+            "the file ends after {} triangles without \"endsolid\", so it may be cut off; if it is complete, add \
+             that line",
             triangles.len()
         ));
     }
@@ -172,11 +173,12 @@ fn vertex(words: Words<'_>) -> Result<(Vector, Words<'_>), String> {
             .collect()
     };
     if texts.len() < 3 {
-        return Err(format!("a vertex of {} numbers; it needs 3", texts.len()));
+        return Err(format!("a vertex has {} numbers; it needs 3", texts.len()));
     }
     for (own, text) in place.iter_mut().zip(&texts) {
         let number = text.parse::<f64>().ok().filter(|x| x.is_finite());
-        *own = number.ok_or_else(|| format!("a vertex has {text:?}, which is no finite number"))?;
+        *own =
+            number.ok_or_else(|| format!("a vertex has {text:?}, which is not a finite number"))?;
     }
     Ok((place, rest))
 }
@@ -216,7 +218,7 @@ mod tests {
         assert_eq!(padded.triangles, whole.triangles);
         assert_eq!(
             padded.note.unwrap(),
-            "2 bytes after the last triangle left out"
+            "2 bytes after the last triangle ignored"
         );
         for short in [&b""[..], b"abc"] {
             assert!(read(short).unwrap_err().contains("at least 84 bytes"));
@@ -275,15 +277,15 @@ mod tests {
             (whole.replace("1e1", "nan"), "line 6: a vertex has \"nan\""),
             (
                 whole.replace(" vertex 0 1e1 0\n", ""),
-                "line 6: a facet of 2 vertices",
+                "line 6: a facet has 2 vertices",
             ),
             (
                 whole.replace("1.5 0 0", "1.5 0"),
-                "line 5: a vertex of 2 numbers",
+                "line 5: a vertex has 2 numbers",
             ),
             (
                 whole.replace("outer loop", "outer lop"),
-                "line 3: \"lop\" is no word",
+                "line 3: \"lop\" is not a word",
             ),
         ] {
             let why = read(text.as_bytes()).unwrap_err();

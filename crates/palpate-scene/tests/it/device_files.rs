@@ -277,10 +277,10 @@ limit_n = 5 -> limit_n = 0
   42:11: limit_n is 0, but must be finite and above 0 N
   0
 x_m = [-0.03, 0.04] -> x_m = [0.03, 0.04]
-  45:7: x_m is [0.03, 0.04], but must be one bound below 0 and one above: they count from home, and home is inside
+  45:7: x_m is [0.03, 0.04], but must be one bound below 0 and one above: bounds are relative to home, which is inside
   [0.03, 0.04]
 y_m = [-0.05, 0.06] -> y_m = [-0.05, nan]
-  46:7: y_m is [-0.05, NaN], but must be one bound below 0 and one above: they count from home, and home is inside
+  46:7: y_m is [-0.05, NaN], but must be one bound below 0 and one above: bounds are relative to home, which is inside
   [-0.05, nan]"#;
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(lines.len(), 3 * 30);
@@ -358,16 +358,16 @@ fn a_device_file_that_is_missing_or_bad_is_named() {
             "file = \"small.toml\"\nsafety_box = { y_m = [-0.1, -0.05] }",
             GOOD
         ),
-        "FOLDER/scene.toml:13:22: y_m is [-0.1, -0.05], but must be one bound below 0 and one above: they \
-         count from home, and home is inside"
+        "FOLDER/scene.toml:13:22: y_m is [-0.1, -0.05], but must be one bound below 0 and one above: \
+         bounds are relative to home, which is inside"
     );
     let text = SCENE.replace("DEVICE", "file = \"small.toml\"");
     assert_eq!(
         SceneFile::parse("scene.toml", &text)
             .unwrap_err()
             .to_string(),
-        "scene.toml:12:8: the device file small.toml cannot be read: this scene is read without the \
-         files beside it"
+        "scene.toml:12:8: the device file small.toml cannot be read: this scene is read without \
+         other files"
     );
 }
 
@@ -392,7 +392,7 @@ fn a_scene_on_a_preset_is_written_with_its_box_and_one_on_a_file_is_not() {
     let own = scene("file = \"small.toml\"", GOOD).unwrap();
     assert_eq!(
         own.to_toml().unwrap_err().to_string(),
-        "a scene file cannot say what stands in a device file of its own"
+        "a scene file cannot contain the values of a separate device file"
     );
 }
 

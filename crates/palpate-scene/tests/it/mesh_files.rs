@@ -152,14 +152,14 @@ fn what_is_wrong_with_a_mesh_file_is_said_with_its_name() {
     }
     for (name, expected) in [
         ("bad.stl", ""),
-        ("nan.stl", "which is no finite number"),
+        ("nan.stl", "which is not a finite number"),
         ("turned.obj", "triangles 0 and"),
         ("corner.obj", ""),
         ("short.stl", ""),
         ("empty.stl", ""),
         ("none.stl", "no triangle"),
         ("none.obj", "no triangle"),
-        ("part.step", "with the ending .stl or .obj"),
+        ("part.step", "with the extension .stl or .obj"),
         ("missing.stl", "No such file"),
     ] {
         let shape = format!("{{ mesh = {{ file = \"{name}\", unit = \"mm\" }} }}");
@@ -178,7 +178,10 @@ fn keys_of_a_mesh_are_checked() {
     let folder = folder.path();
     fs::write(folder.join("part.stl"), ascii_stl()).unwrap();
     for (keys, expected) in [
-        ("file = \"part.stl\"", "a mesh file does not say its unit"),
+        (
+            "file = \"part.stl\"",
+            "a mesh file does not contain its unit",
+        ),
         (
             "file = \"part.stl\", unit = \"ft\"",
             "unknown variant `ft`, expected one of `m`, `cm`",
@@ -278,7 +281,7 @@ fn a_prism_stands_in_for_a_cylinder() {
         ),
         (
             "prism = { sides = 3, radius_m = 1.0, length_m = 1.0 }, unit = \"mm\"",
-            "unit and scale are of a hull's file",
+            "unit and scale need a hull file",
         ),
     ] {
         let said = read(folder.path(), &format!("{{ hull = {{ {keys} }} }}"));
@@ -298,9 +301,9 @@ fn open_meshes_and_flat_triangles_are_noted() {
     assert_eq!(
         file.notes(),
         [
-            "part, plate.obj: 2 triangles, 10.0000 x 10.0000 x 0.0000 mm; 1 that have no area, are there \
-             twice or lie between touching parts were left out; it has open edges, so that it is touched from the front of its \
-             triangles only, which on average faces (0.00, 0.00, 1.00); turned = true turns it round"
+            "part, plate.obj: 2 triangles, 10.0000 x 10.0000 x 0.0000 mm; triangles left out (no area, duplicate \
+             or between touching parts): 1; it has open edges, so contacts act on the front of its triangles only, \
+             which on average faces (0.00, 0.00, 1.00); turned = true reverses it"
         ]
     );
     let inline = "{ mesh = { vertices_m = [[0, 0, 0], [1, 0, 0], [1, 1, 0]], faces = [[0, 1, 2], [0, 1, 1]] } }";
@@ -309,9 +312,9 @@ fn open_meshes_and_flat_triangles_are_noted() {
     assert_eq!(
         file.notes(),
         [
-            "part, its mesh: 1 that have no area, are there twice or lie between touching parts were left out; it has open \
-             edges, so that it is touched from the front of its triangles only, which on average faces (0.00, 0.00, 1.00); \
-             turned = true turns it round"
+            "part, its mesh: triangles left out (no area, duplicate or between touching parts): 1; it has open edges, \
+             so contacts act on the front of its triangles only, which on average faces (0.00, 0.00, 1.00); turned = \
+             true reverses it"
         ]
     );
 }
@@ -343,9 +346,9 @@ fn a_shell_of_points_is_made_as_it_is_asked_for() {
     for (keys, expected) in [
         (
             "shell = { points = 3 }",
-            "a shell of 3 points: it has to have 4 to 2048",
+            "the shell has 3 points, and has to have 4 to 2048",
         ),
-        ("shell = { points = 2049 }", "a shell of 2049 points"),
+        ("shell = { points = 2049 }", "the shell has 2049 points"),
         (
             "shell = { points = 400 }",
             "lie in one plane, and at most 64 may touch at a time",
@@ -356,7 +359,7 @@ fn a_shell_of_points_is_made_as_it_is_asked_for() {
         ),
         (
             "shell = { points = 9, shared_by = 10 }",
-            "the law is shared by 10 points, and has to be by 1 to 9",
+            "the law is shared by 10 points, and has to be shared by 1 to 9",
         ),
         ("shell = { point = 9 }", "unknown key point"),
     ] {
@@ -377,7 +380,7 @@ fn a_distance_grid_is_kept_in_its_file_and_made_anew_where_that_is_of_another_me
     let note = |file: &WorldFile| file.notes().join("; ");
     let made = asked(0.001).unwrap();
     assert!(
-        note(&made).contains("nodes, kept in part.grid; its surface is off"),
+        note(&made).contains("nodes, saved in part.grid; its surface deviates"),
         "{}",
         note(&made)
     );
@@ -391,19 +394,19 @@ fn a_distance_grid_is_kept_in_its_file_and_made_anew_where_that_is_of_another_me
     assert_eq!(mesh(&again).grid(), mesh(&made).grid());
     assert_eq!(fs::read(folder.join("part.grid")).unwrap(), kept);
     let finer = asked(0.0009).unwrap();
-    assert!(note(&finer).contains("made anew, for the one that was there is of another mesh"));
+    assert!(note(&finer).contains("recomputed because the saved one is of another mesh"));
     assert_ne!(fs::read(folder.join("part.grid")).unwrap(), kept);
     let moved = ascii_stl().replacen("1e1", "1.1e1", 12);
     fs::write(folder.join("part.stl"), moved).unwrap();
     let other = asked(0.0009).unwrap();
-    assert!(note(&other).contains("made anew"), "{}", note(&other));
+    assert!(note(&other).contains("recomputed"), "{}", note(&other));
     // Cut off, and no grid at all: neither is taken, and neither is written over.
     let whole = fs::read(folder.join("part.grid")).unwrap();
     for (bytes, expected) in [
-        (&whole[..whole.len() / 2], "cut off or changed"),
+        (&whole[..whole.len() / 2], "truncated or corrupted"),
         (
             b"somebody's notes".as_slice(),
-            "no distance grid of palpate",
+            "not a distance grid of palpate",
         ),
     ] {
         fs::write(folder.join("part.grid"), bytes).unwrap();
@@ -429,7 +432,10 @@ fn a_distance_grid_is_kept_in_its_file_and_made_anew_where_that_is_of_another_me
         let said = read(folder, &part_with(&keys)).map(|_| ()).unwrap_err();
         let said = said.join("; ");
         assert!(said.contains("distance_grid.file is"), "{name}: {said}");
-        assert!(said.contains("beside the scene's"), "{name}: {said}");
+        assert!(
+            said.contains("in the scene's folder or below"),
+            "{name}: {said}"
+        );
     }
     assert!(!Path::new(&root).exists());
     fs::create_dir(folder.join("parts")).unwrap();
@@ -457,7 +463,11 @@ fn a_distance_grid_is_kept_in_its_file_and_made_anew_where_that_is_of_another_me
     let keys = "distance_grid = { spacing_m = 0.001, file = \"nowhere/part.grid\" }";
     let file = read(folder, &part_with(keys)).unwrap();
     assert!(mesh(&file).grid().is_some());
-    assert!(note(&file).contains("nodes, not kept: "), "{}", note(&file));
+    assert!(
+        note(&file).contains("nodes, not saved: "),
+        "{}",
+        note(&file)
+    );
 }
 
 #[test]
@@ -554,5 +564,5 @@ fn a_mesh_is_scaled_by_axis_mirrored_and_turned() {
     assert_eq!(normal_z("scale = [-1, 1, 1]"), 1.0);
     assert_eq!(normal_z("turned = true"), -1.0);
     let said = with("part.stl", "turned = true").map(|_| ()).unwrap_err();
-    assert!(said[0].contains("turned is of an open mesh"), "{said:?}");
+    assert!(said[0].contains("turned is for an open mesh"), "{said:?}");
 }

@@ -59,7 +59,7 @@ fn joints_are_read() {
         axis: [1.0, 0.0, 0.0],
         law: JointLaw {
             limits: Some([0.0, 0.03]),
-            ..JointLaw::of(2e4, 0.05)
+            ..JointLaw::new(2e4, 0.05)
         },
     };
     let hinge = Joint {
@@ -74,7 +74,7 @@ fn joints_are_read() {
             rest: 0.2,
             along_damping: 1e-3,
             limits: Some([-0.1, 1.5]),
-            ..JointLaw::of(1e4, 0.03)
+            ..JointLaw::new(1e4, 0.03)
         },
     };
     assert_eq!(joints, [slider, hinge]);
@@ -86,17 +86,17 @@ fn faults_of_joints_have_their_place_and_say_what_is_allowed() {
         (
             "[\"drawer\", \"world\"]",
             "[\"drawr\", \"world\"]",
-            ":21:11: joint of \"drawr\" and \"world\": \"drawr\" is no body of this world",
+            ":21:11: joint of \"drawr\" and \"world\": \"drawr\" is not a body of this world",
         ),
         (
             "[\"drawer\", \"world\"]",
             "[\"tool\", \"world\"]",
-            "\"tool\" is no body of this world",
+            "\"tool\" is not a body of this world",
         ),
         (
             "[\"drawer\", \"world\"]",
             "[\"world\", \"drawer\"]",
-            "the first of the two is a body that moves; \"world\" may be the second",
+            "the first name must be a moving body; \"world\" may be the second",
         ),
         (
             "[\"lid\", \"drawer\"]",
@@ -121,12 +121,12 @@ fn faults_of_joints_have_their_place_and_say_what_is_allowed() {
         (
             "[0.0, 0.03]",
             "[0.04, 0.03]",
-            ":25:12: joint of \"drawer\" and \"world\": limits are 0.04 and 0.03: the first is the lower one",
+            ":25:12: joint of \"drawer\" and \"world\": limits are 0.04 and 0.03; the lower limit has to come first",
         ),
         (
             "[-0.1, 1.5]",
             "[-0.1, 3.5]",
-            "a hinge has stops between -3 and 3 rad",
+            "those of a hinge have to be between -3 and 3 rad",
         ),
         (
             "span_m = 0.05",
@@ -136,7 +136,7 @@ fn faults_of_joints_have_their_place_and_say_what_is_allowed() {
         (
             "axis = [2.0, 0.0, 0.0]",
             "axis = [0.0, 0.0, 0.0]",
-            "axis has length 0 and so no direction; give it one",
+            "axis has length 0, so it has no direction; give a finite length above 0",
         ),
         (
             "kind = \"slider\"",
@@ -147,7 +147,7 @@ fn faults_of_joints_have_their_place_and_say_what_is_allowed() {
         (
             "name = \"lid\"",
             "name = \"world\"",
-            "\"world\" is what is no body, and there is a body of that name",
+            "\"world\" is the fixed world, but a body has that name",
         ),
     ] {
         let errors =

@@ -89,7 +89,7 @@ impl PointerParams {
     /// position. A fraction of a period and the jitter of commands are omitted. Its friction is that of the scene, but
     /// at least that of [`default`](Self::default), so that a free device comes to rest.
     #[must_use]
-    pub fn of(scene: &Scene) -> Self {
+    pub fn new(scene: &Scene) -> Self {
         let default = Self::default();
         Self {
             device_mass: scene.device.mass(),

@@ -43,7 +43,7 @@ impl<C: Clock> SimulatedDevice<C> {
     ///
     /// # Errors
     /// A quantity of the device or the hand outside its range.
-    pub fn of(scene: &Scene, clock: C) -> Result<Self, InvalidParameter> {
+    pub fn new(scene: &Scene, clock: C) -> Result<Self, InvalidParameter> {
         let linkage = scene.device.pantograph().is_some();
         let name = if linkage {
             "simulated linkage"
@@ -58,7 +58,7 @@ impl<C: Clock> SimulatedDevice<C> {
                 encoder_quantum: (!linkage).then_some(scene.device.encoder_quantum()),
                 ..Capabilities::unknown(name, 1)
             },
-            device: VirtualDevice::of(scene)?,
+            device: VirtualDevice::new(scene)?,
             moved_until: None,
             sampled: None,
             held: 0.0,

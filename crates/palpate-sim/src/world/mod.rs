@@ -110,7 +110,7 @@ pub struct Refusal {
 }
 
 impl Refusal {
-    fn of(output: &Output<'_>, time: f64) -> Option<Self> {
+    fn new(output: &Output<'_>, time: f64) -> Option<Self> {
         output.fault.map(|fault| Self {
             time,
             fault,
@@ -131,7 +131,7 @@ pub enum WorldBenchError {
     Ideal(#[from] IdealError),
     /// The window has more periods than are run.
     #[error(
-        "the window has {0} periods, and at most 1e6 are run: shorten `duration_s`, or the motion that is rendered"
+        "the window has {0} periods, and at most 1e6 are allowed: shorten `duration_s` or the rendered motion"
     )]
     TooLong(f64),
     /// The run and its ideal do not fit.
@@ -241,7 +241,7 @@ impl WorldBench {
     /// Returns the influence of the sensor and the hand of each device on its force error.
     #[must_use]
     pub fn decisive(&self) -> Vec<Decisive> {
-        Decisive::of(&self.evaluated, &self.ideal)
+        Decisive::new(&self.evaluated, &self.ideal)
     }
 
     /// Returns the agreement of the ideal with itself, if this bench has computed it.
@@ -307,7 +307,7 @@ impl WorldBench {
             let time = plant.time();
             let output = renderer.step(&mut state, &sample);
             run.refused += usize::from(output.fault.is_some());
-            run.first_refusal = run.first_refusal.or(Refusal::of(&output, time));
+            run.first_refusal = run.first_refusal.or(Refusal::new(&output, time));
             let changed = Limited {
                 guard: output.limited.guard && guard_limits,
                 ..output.limited

@@ -191,7 +191,7 @@ fn a_limit_is_of_the_command_and_the_gain_of_what_is_given() {
     let run = run(&scene, MethodName::Hfcr);
     println!("peak {}", run.force.peak_force);
     assert!((run.force.peak_force - 2.4).abs() < 1e-12);
-    let mut device = VirtualDevice::of(&scene).unwrap();
+    let mut device = VirtualDevice::new(&scene).unwrap();
     assert_eq!(device.given_force(5.0), 2.0);
     let work = device.hold(5.0, 0.01);
     assert!((work - 2.4 * (device.position() - scene.device.position())).abs() < 1e-15);

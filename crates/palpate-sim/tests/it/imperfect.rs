@@ -136,7 +136,7 @@ fn the_square_of_the_error_is_that_of_floor_and_mean_force_error_in_any_loop() {
         // The best that this loop can hold has no error but the floor.
         let profile = &bench.reference().profile;
         let best: Vec<f64> = profile.mean_forces().collect();
-        let best = ForceEvaluation::of(&best, profile)
+        let best = ForceEvaluation::new(&best, profile)
             .unwrap()
             .fidelity
             .unwrap();

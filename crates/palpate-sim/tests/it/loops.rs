@@ -134,7 +134,7 @@ fn yields_to(contact: &Contact<f64>, loop_params: &LoopParams<f64>, method: Meth
 
 impl EnergyLedger {
     /// `largest`: force to which the contact yields `[N]`.
-    fn of(contact: &Contact<f64>, largest: f64, virtual_force: f64, run: &Run) -> Self {
+    fn new(contact: &Contact<f64>, largest: f64, virtual_force: f64, run: &Run) -> Self {
         let force =
             |tick: &Tick| (contact.stiffness * tick.output.penetration.max(0.0)).min(largest);
         let stored = |tick: &Tick| {
@@ -195,7 +195,7 @@ proptest! {
                 prop_assert!(numbers(tick).iter().all(|x| x.is_finite()), "{method}: {tick:?}");
             }
             let largest = yields_to(&scene.contact, &scene.loop_params, method);
-            let ledger = EnergyLedger::of(&scene.contact, largest, scene.virtual_force, &run);
+            let ledger = EnergyLedger::new(&scene.contact, largest, scene.virtual_force, &run);
             let (first, last) = (&run.ticks[0].ledger, &run.last().ledger);
             let near = |given: f64, expected: f64| {
                 (given - expected).abs() <= 1e-10 * ledger.turned_over
@@ -382,7 +382,7 @@ fn a_replay_holds_each_answer_after_its_delay_and_books_what_it_held() {
                     assert_eq!(tick.device_position, positions[10 * i]);
                 }
                 let ledger =
-                    EnergyLedger::of(&setup.contact, f64::INFINITY, setup.virtual_force, &run);
+                    EnergyLedger::new(&setup.contact, f64::INFINITY, setup.virtual_force, &run);
                 let last = &run.last().ledger;
                 for (given, expected) in [
                     (last.port_work, ledger.port_work),

@@ -78,7 +78,7 @@ struct Recorded {
 }
 
 impl Recorded {
-    fn of(run: &Run) -> Self {
+    fn new(run: &Run) -> Self {
         Self {
             times: run.ticks.iter().map(|tick| 3.0 + tick.time).collect(),
             positions: run.ticks.iter().map(|tick| tick.device_position).collect(),
@@ -144,7 +144,7 @@ fn the_method_that_was_recorded_gives_its_motion_and_its_forces_back() {
         (delayed(recorded_scene()), MethodName::Coupled),
     ] {
         let run = Bench::new(&scene).unwrap().run(method).unwrap();
-        let hand = Recorded::of(&run).hand(&scene);
+        let hand = Recorded::new(&run).hand(&scene);
         let closed = again(&hand, &scene, method);
         for (a, b) in closed.ticks.iter().zip(&run.ticks) {
             assert!((a.time - b.time).abs() < 1e-9, "{} for {}", a.time, b.time);
@@ -174,7 +174,7 @@ fn another_method_does_what_it_would_have_done_in_that_hand() {
     let mut holds_on = Recorded::model(&scene);
     let grip = scene.device.grip().unwrap();
     (holds_on.stiffness, holds_on.damping) = (grip.stiffness, grip.damping);
-    let hand = Recorded::of(&run).hand_as(&holds_on);
+    let hand = Recorded::new(&run).hand_as(&holds_on);
     for method in [MethodName::Coupled, MethodName::Hfcr] {
         let closed = again(&hand, &scene, method);
         let departure = largest_departure(&hand, &closed);
@@ -190,7 +190,7 @@ fn another_method_does_what_it_would_have_done_in_that_hand() {
 fn a_sample_without_a_position_is_bridged_with_the_force_that_was_held_there() {
     let scene = recorded_scene();
     let run = Bench::new(&scene).unwrap().run(MethodName::Hfcr).unwrap();
-    let mut recorded = Recorded::of(&run);
+    let mut recorded = Recorded::new(&run);
     let whole = recorded.hand(&scene);
     let mut missing = 0;
     let last = recorded.positions.len() - 1;
@@ -226,7 +226,7 @@ fn ends_without_a_position_and_jitter_of_recorded_instants_are_refused() {
     let scene = recorded_scene();
     let run = Bench::new(&scene).unwrap().run(MethodName::Basic).unwrap();
     for at in [0, run.ticks.len() - 1] {
-        let mut recorded = Recorded::of(&run);
+        let mut recorded = Recorded::new(&run);
         recorded.positions[at] = f64::NAN;
         let recording = Recording {
             times: &recorded.times,
@@ -240,7 +240,7 @@ fn ends_without_a_position_and_jitter_of_recorded_instants_are_refused() {
             "{said}"
         );
     }
-    let hand = Recorded::of(&run).hand(&scene);
+    let hand = Recorded::new(&run).hand(&scene);
     let setup = ReplaySetup::of_scene(&scene);
     let mut both = scene_at_recorded_instants(hand, &setup).unwrap();
     both.delay = Delay::Periods {

@@ -290,7 +290,7 @@ impl Advice {
             contact: None,
             verdict: Verdict::NotAsked,
             methods: Vec::new(),
-            bounds: Bounds::of(bounce),
+            bounds: Bounds::new(bounce),
             files: Vec::new(),
         };
         let limits = |method: &MethodName| -> Result<MethodAdvice, BounceError> {
@@ -333,7 +333,7 @@ impl Advice {
                 Class::Stable => Some(bounce.stay(*method, *settings)?.0),
                 Class::Growing | Class::Diverged => None,
             };
-            Ok((*method, Evaluated::of(entry, *damping, stay)))
+            Ok((*method, Evaluated::new(entry, *damping, stay)))
         };
         let trials = trials.par_iter().zip(&entries).map(reference);
         let evaluated: Vec<(MethodName, Evaluated)> = trials.collect::<Result<_, BounceError>>()?;
@@ -452,7 +452,7 @@ fn dampings(method: MethodName, impedance: f64) -> Vec<(Settings, f64)> {
 }
 
 impl Evaluated {
-    fn of(entry: &Entry, damping: Option<f64>, stay: Option<Stay>) -> Self {
+    fn new(entry: &Entry, damping: Option<f64>, stay: Option<Stay>) -> Self {
         let finite = |value: f64| Some(value).filter(|value| value.is_finite());
         let class = entry.class();
         Self {
@@ -497,7 +497,7 @@ impl From<Limit> for Reach {
 }
 
 impl Bounds {
-    fn of(bounce: &Bounce) -> Self {
+    fn new(bounce: &Bounce) -> Self {
         let device = &bounce.device;
         let (m, t) = (device.mass, bounce.period);
         let per_kappa = m / (t * t);

@@ -71,13 +71,13 @@ impl Advice {
                 resting,
                 pressed,
             } => format!(
-                "No: {what} does not come to rest {} by {}, the steadiest here, though its bounces gain \
-                 no energy: the force keeps swinging by more than {} % of what presses, or the contact is lost. Use a softer contact, \
-                 a heavier object, a higher rate or a finer encoder.",
+                "No: {what} does not come to rest {} by {}, the steadiest method here, although its bounces gain no \
+                 energy: the force keeps swinging by more than {} % of the pressing force, or the contact is lost. \
+                 Use a softer contact, a heavier object, a higher rate or a finer encoder.",
                 match (resting, pressed) {
-                    (true, true) => "on the device, nor pressed,",
+                    (true, true) => "on the device or pressed",
                     (true, false) => "on the device",
-                    _ => "when it is pressed",
+                    _ => "when pressed",
                 },
                 with_damping(method, damping_n_s_per_m),
                 percent(100.0 * RESTS_BELOW)
@@ -86,9 +86,8 @@ impl Advice {
                 method,
                 damping_n_s_per_m,
             } => format!(
-                "As well as a held force can, and that is coarse: {what} is stable and steady by {}, but \
-                 no force held for {} s is within {FAITHFUL_PERCENT} % of the ideal's. A higher rate, a \
-                 softer contact or a heavier object would help.",
+                "The period is too long: {what} is stable and steady by {}, but no force held for {} s is within \
+                 {FAITHFUL_PERCENT} % of the ideal's. A higher rate, a softer contact or a heavier object would help.",
                 with_damping(method, damping_n_s_per_m),
                 self.device.period_s
             ),
@@ -108,22 +107,21 @@ impl Advice {
             Verdict::No { method, growth } => {
                 let how = match growth {
                     Some(growth) => format!(
-                        "the nearest, {method}, gains {} % of energy per bounce, which a hand may or may \
-                         not take up",
+                        "the nearest, {method}, gains {} % of energy per bounce, which a hand may or may not absorb",
                         digits(100.0 * (growth - 1.0))
                     ),
                     None => format!("even the nearest, {method}, diverges from some start height"),
                 };
                 format!(
-                    "No: {what} is stable by no method here; {how}. Use a softer contact, a heavier \
-                     object or a higher rate."
+                    "No: no method here renders {what} stably; {how}. Use a softer contact, a heavier object or a \
+                     higher rate."
                 )
             }
             Verdict::NotAsked => self.reach_in_words(),
         };
         if let (Verdict::Yes { .. }, Some((method, nearer))) = (self.verdict, self.nearer()) {
             answer.push_str(&format!(
-                " It needs no tuning; {} comes nearer, to {} %.",
+                " It needs no tuning; {} has a smaller error, {} %.",
                 with_damping(method, nearer.damping_n_s_per_m),
                 nearer.error_percent[1].map_or_else(|| "-".into(), percent)
             ));
@@ -138,8 +136,8 @@ impl Advice {
             ));
         }
         answer.push_str(&format!(
-            " Within the {} s for which a force is held, the ideal force \
-             goes on changing: no held force comes nearer to it than the hold bound, {} %.",
+            " Within the {} s for which a force is held, the ideal force changes: no held force is nearer to it than \
+             the hold bound, {} %.",
             self.device.period_s,
             percent(contact.hold_bound_percent)
         ));
@@ -161,7 +159,7 @@ impl Advice {
         }
         let swings = [
             (own.resting_swing, "at rest", "the weight"),
-            (own.pressed_swing, "pressed", "the force that presses"),
+            (own.pressed_swing, "pressed", "the pressing force"),
         ];
         let swings: Vec<String> = swings
             .into_iter()
@@ -172,7 +170,7 @@ impl Advice {
             .collect();
         (!swings.is_empty()).then(|| {
             format!(
-                " coupled comes nearer, to {} %, but its force swings {}; allowed are {} %.",
+                " coupled has a smaller error, {} %, but its force swings {}; allowed are {} %.",
                 percent(error),
                 swings.join(" and "),
                 percent(100.0 * RESTS_BELOW)
@@ -191,15 +189,15 @@ impl Advice {
             .max_by(|a, b| a.1.total_cmp(&b.1));
         match stiffest {
             Some((method, value, beyond)) => format!(
-                "The stiffest contact with {} that this device renders without gaining energy is {} \
-                 N/m{}, by {method}. Give --stiffness to ask about one.",
+                "The stiffest contact with {} that this device renders without gaining energy is {} N/m{}, by \
+                 {method}. Pass --stiffness to check a contact.",
                 self.object(),
                 digits(value),
                 if beyond { " or more" } else { "" }
             ),
             None => format!(
-                "This device renders no contact with {} without gaining energy by any method here, \
-                 not even a very soft one: it needs friction, a hand that damps, or a damper.",
+                "No method here renders a contact with {} without gaining energy, not even a very soft one: the \
+                 device needs friction, a damping hand or a damper.",
                 self.object()
             ),
         }
@@ -250,10 +248,9 @@ impl Advice {
             ));
         }
         format!(
-            "Device of {} kg at {} s{friction}{quantum}{delay}; {} bounces on it from {} m ± 5 % in {} \
-             start heights, held by a hand that gives force but no damping. Resting is an object that \
-             lies on the device by its weight, pressed a contact under {PRESSED_WITH} N, each in a light \
-             hand and in a firm one.",
+            "Device of {} kg at {} s{friction}{quantum}{delay}; {} bounces on it from {} m ± 5 % in {} start heights, \
+             in a hand with force but without damping. Resting: an object on the device under its weight. Pressed: a \
+             contact under {PRESSED_WITH} N. Both are in a light and in a firm hand.",
             device.mass_kg,
             device.period_s,
             self.object(),
@@ -319,13 +316,13 @@ impl Advice {
             }
         };
         format!(
-            "Classical bounds, of walls and the plain spring: Colgate-Schenkel {}, Gil {}, \
-             Abbott-Okamura {}. An undamped device on a wall with its best virtual damper, {} N s/m: {} \
-             N/m. All of these are for the friction of the device alone; \"tuned\" tries {} dampings on \
-             this very scene. Stiffest and lightest are limits of stability alone: the force is far \
-             from the ideal's before. Faithful is a mean-force error E below {} %, and a hold bound below it; resting and \
-             pressed are the standard deviation of the force over what presses; a dash there: the bounce is not \
-             stable, or the contact is lost or diverges. A dash elsewhere: not even kappa or Kc = 1e-4.",
+            "Classical bounds, of walls and the plain spring: Colgate-Schenkel {}, Gil {}, Abbott-Okamura {}. An \
+             undamped device on a wall with its best virtual damper, {} N s/m: {} N/m. All of these assume the \
+             friction of the device alone; \"tuned\" tries {} dampings on this scene. Stiffest and lightest are \
+             limits of stability alone: the force deviates far from the ideal's earlier. Faithful: mean-force error E \
+             and hold bound are below {} %. Resting and pressed: standard deviation of the force over the pressing \
+             force; a dash: the bounce is not stable, or the contact is lost or diverges. A dash elsewhere: unstable \
+             even at kappa or Kc = 1e-4.",
             without(bounds.colgate_schenkel_n_per_m),
             without(bounds.gil_n_per_m),
             without(bounds.abbott_okamura_n_per_m),
@@ -340,7 +337,7 @@ impl Advice {
 fn with_damping(method: &str, damping: Option<f64>) -> String {
     match damping {
         Some(damping) => format!("{method} with a damping of {} N s/m", digits(damping)),
-        None => format!("{method} as it is"),
+        None => format!("{method} with its defaults"),
     }
 }
 

@@ -114,8 +114,8 @@ fn read(source: &str) -> Result<Calibration, Fault> {
 fn check_format(table: &DeTable<'_>) -> Result<(), Fault> {
     let Some(value) = table.get(FORMAT_KEY) else {
         let message = format!(
-            "the file has no `{FORMAT_KEY} = {FORMAT}`: it is no calibrated device file, as `palpate \
-             calibrate` writes one"
+            "the file has no `{FORMAT_KEY} = {FORMAT}`: it is not a calibrated device file of \
+             `palpate calibrate`"
         );
         return Err((0..0, message));
     };
@@ -124,7 +124,7 @@ fn check_format(table: &DeTable<'_>) -> Result<(), Fault> {
     if is_known {
         return Ok(());
     }
-    let message = format!("{FORMAT_KEY} must be {FORMAT}, the one that this program reads");
+    let message = format!("{FORMAT_KEY} must be {FORMAT}, the version that this program reads");
     Err((value.span(), message))
 }
 
@@ -151,7 +151,7 @@ fn known_of<'a>(
     let quantity = Quantity::of_key(name).ok_or_else(|| unknown(key.span(), name, false))?;
     calibration.known.get_mut(&quantity).ok_or_else(|| {
         let message = format!(
-            "[{table}] has {name}, but the file has no value of it: write `{name} = VALUE` above the tables"
+            "[{table}] has {name}, but the file has no value for it: write `{name} = VALUE` above the tables"
         );
         (key.span(), message)
     })
@@ -185,7 +185,7 @@ impl fmt::Display for Calibration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "# What is known of a haptic device in its loop. `palpate` takes it as --device-file."
+            "# Calibration of a haptic device in its loop, for --device-file of `palpate`."
         )?;
         writeln!(f, "{FORMAT_KEY} = {FORMAT}")?;
         for (key, text) in [

@@ -121,7 +121,7 @@ impl fmt::Display for Declined {
             ),
             Self::Friction { friction, force } => write!(
                 f,
-                "Coulomb friction of about {friction:.2} N is too near to the largest force of {force} N: \
+                "Coulomb friction of about {friction:.2} N is too close to the largest force of {force} N: \
                  use a --largest-force of {:.2} N or more",
                 friction * 2.5
             ),
@@ -134,12 +134,12 @@ impl fmt::Display for Declined {
             ),
             Self::LongLag { longest } => write!(
                 f,
-                "the motor follows with a lag of {:.0} ms or more, and lags up to that are looked for",
+                "the motor has a lag of {:.0} ms or more, the longest lag that a fit covers",
                 longest * 1e3
             ),
             Self::Uncertain { delay, mass } => write!(
                 f,
-                "the motion says too little: delay and lag are known to {:.3} ms, and the mass to {:.0} %; \
+                "the excitation is insufficient: delay and lag are known to {:.3} ms, and the mass to {:.0} %; \
                  allow more force or more seconds",
                 delay * 1e3,
                 mass * 100.0
@@ -153,11 +153,11 @@ impl fmt::Display for Declined {
             ),
             Self::Saturated { level, force } => write!(
                 f,
-                "the amplifier saturates: from about {level:.2} N on a larger command moves the device no more, and the largest \
+                "the amplifier saturates: above about {level:.2} N a larger command has no effect, and the largest \
                  force is {force} N. Use a --largest-force of {:.2} N or less",
                 0.8 * level
             ),
-            Self::NoFit => write!(f, "no model of a device explains the motion"),
+            Self::NoFit => write!(f, "no device model fits the motion"),
         }
     }
 }

@@ -30,7 +30,7 @@ impl Fitted {
             mass,
             mass * of_mass,
             format!(
-                "{FIT}: mass over gain, with gain 1; the part of the hand that moves with it is in it"
+                "{FIT}: mass over gain, with gain 1; includes the part of the hand that moves with it"
             ),
         );
 
@@ -42,8 +42,7 @@ impl Fitted {
         let of_lag = (of_square / (2.0 * lag.max(1e-9)))
             .min(of_square.sqrt())
             .min(sum);
-        let together =
-            "known better together with the other of delay and lag: see delay_plus_lag_s";
+        let together = "the sum of delay and lag is more accurate: see delay_plus_lag_s";
         set(
             Quantity::Delay,
             (sum - lag) * period,
@@ -72,7 +71,7 @@ impl Fitted {
         force(
             Quantity::ViscousFriction,
             at::DAMPING,
-            ", in commanded newtons; the damping of the hand is in it",
+            ", in commanded newtons; includes the damping of the hand",
         );
         force(
             Quantity::CoulombFriction,
@@ -92,7 +91,7 @@ impl Fitted {
             // ln f = ln f_alone - ln(1 - fraction) / 2.
             let of_hertz =
                 hertz * sd[at::LN_ANTIRESONANCE].hypot(0.5 * of_fraction / (1.0 - fraction));
-            let by = format!("{FIT}; two masses explain it better than one");
+            let by = format!("{FIT}; two masses fit better than one");
             set(Quantity::Resonance, hertz, of_hertz, by.clone());
             let ratio = point[at::FLEXIBLE_DAMPING] / (1.0 - fraction).sqrt();
             let of_ratio = sd[at::FLEXIBLE_DAMPING] / (1.0 - fraction).sqrt();
@@ -105,14 +104,14 @@ impl Fitted {
                 Quantity::SensorQuantum,
                 quantum,
                 1e-3 * quantum,
-                "least step between positions".into(),
+                "smallest step between positions".into(),
             );
         }
         set(
             Quantity::SensorNoise,
             fit.sensor_noise,
             fit.sensor_noise / (2.0 * fit.count as f64).sqrt(),
-            format!("{FIT}: what is left that does not last"),
+            format!("{FIT}: uncorrelated part of the residual"),
         );
         Self { calibration }
     }

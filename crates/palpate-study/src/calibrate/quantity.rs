@@ -77,7 +77,7 @@ quantities! {
     DeviceMass = "device_mass_kg", Positive;
     /// Delivered over commanded force of the motor.
     Gain = "gain", Positive;
-    /// Mean time from a sample to the moment at which its force begins `[s]`; the mean of the jitter is in it.
+    /// Mean time from a sample to the moment at which its force begins `[s]`, including the mean jitter.
     Delay = "delay_s", NotNegative;
     /// Time constant of the motor's force after its beginning, a first-order lag `[s]`.
     Lag = "lag_s", NotNegative;

@@ -15,7 +15,7 @@ pub enum GainFrom<'a> {
 
 /// The gain is too uncertain.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("the gain is not known to 20 % from {0}: it was found to change too little")]
+#[error("the gain is not known to 20 % from {0}: the measured change is too small")]
 pub struct GainUnknown(&'static str);
 
 impl GainFrom<'_> {

@@ -124,8 +124,8 @@ impl ExcitedMotion {
         let mean = (self.times.last()? - self.times.first()?) / count;
         if (mean / period - 1.0).abs() > MAX_DRIFT {
             return Some(format!(
-                "the samples came every {:.4} ms and --period says {:.4} ms, where {:.1} % apart are allowed: the mass would \
-                 be wrong by twice that; run the loop at its period, or give --period {mean:.4e}",
+                "the mean sample period is {:.4} ms, but --period is {:.4} ms (allowed difference: {:.1} %): the mass \
+                 would be wrong by twice the difference; run the loop at its period, or pass --period {mean:.4e}",
                 mean * 1e3,
                 period * 1e3,
                 MAX_DRIFT * 1e2
@@ -133,8 +133,8 @@ impl ExcitedMotion {
         }
         (jitter > MAX_JITTER * period).then(|| {
             format!(
-                "the times between samples vary by {:.0} % of the period (standard deviation), where {:.0} % are allowed: \
-                 run the loop more evenly",
+                "the times between samples vary by {:.0} % of the period (standard deviation; allowed: {:.0} %): run \
+                 the loop more evenly",
                 jitter / period * 1e2,
                 MAX_JITTER * 1e2
             )
@@ -180,14 +180,14 @@ mod tests {
         assert_eq!(at_times(|n| 0.001 * n + 4e-5 * n.sin()).uneven_pace(), None);
         let slow = at_times(|n| 0.00101 * n).uneven_pace().unwrap();
         assert!(
-            slow.contains("every 1.0100 ms and --period says 1.0000 ms"),
+            slow.contains("is 1.0100 ms, but --period is 1.0000 ms"),
             "{slow}"
         );
         let uneven = at_times(|n| 0.001 * n + 2e-4 * n.sin())
             .uneven_pace()
             .unwrap();
         assert!(
-            uneven.contains("vary by 14 %") && uneven.contains("5 % are allowed"),
+            uneven.contains("vary by 14 %") && uneven.contains("allowed: 5 %"),
             "{uneven}"
         );
     }

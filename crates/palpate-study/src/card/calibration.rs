@@ -72,7 +72,7 @@ pub struct CalibrationRun {
 #[non_exhaustive]
 pub enum NoCalibrationRun {
     /// The JSON is invalid or of another type.
-    #[error("it is no report of a calibration, as `palpate calibrate --report` writes one: {0}")]
+    #[error("it is not a calibration report of `palpate calibrate --report`: {0}")]
     Json(#[from] serde_json::Error),
     /// The report has another format or version.
     #[error("its format is `{0}`, but must be `{RUN_FORMAT}`")]
@@ -107,7 +107,7 @@ impl CalibrationRun {
 }
 
 impl CalibrationCard {
-    pub(super) fn of(
+    pub(super) fn new(
         (file, calibration): (&str, &Calibration),
         run: Option<&(&str, CalibrationRun)>,
     ) -> Self {
@@ -150,7 +150,7 @@ mod tests {
                 text(RUN_FORMAT, &motion.replace("\"t_s\":[0]", "\"t_s\":[]")),
                 "differ in length",
             ),
-            ("what".into(), "no report of a calibration"),
+            ("what".into(), "not a calibration report"),
         ] {
             let error = CalibrationRun::parse(&wrong).unwrap_err().to_string();
             assert!(error.contains(said), "{error}");

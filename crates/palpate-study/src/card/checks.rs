@@ -110,23 +110,23 @@ fn of_recording(card: &Card, sources: &Sources<'_>, number: usize, ticks: &Ticks
             "late ticks",
             ticks.missed_deadlines as f64 > LATE_SHARE * all || lateness.p99 > LATE * period,
             format!(
-                "{name}: {} % of the ticks missed their deadline; 99 % came at most {} ms late, the latest {} ms, of \
+                "{name}: {} % of the ticks missed their deadline; 99 % were at most {} ms late, the latest {} ms, at \
                  a period of {} ms",
                 percent(ticks.missed_deadlines),
                 digits(1e3 * lateness.p99.max(0.0)),
                 digits(1e3 * lateness.largest.max(0.0)),
                 digits(1e3 * period)
             ),
-            "run `palpate doctor`, which says what the machine grants a loop and how to grant more; then --priority, \
+            "run `palpate doctor` to check the machine's limits of a loop and how to raise them; then use --priority, \
              --spin, or a longer --period",
         ),
-        _ => not_checked("late ticks", "the recording does not say how late its ticks were"),
+        _ => not_checked("late ticks", "the recording contains no lateness of its ticks"),
     });
     let lost = recording.lost();
     let unseen = ticks.unseen;
     let words = shortcomings(recording);
     let mut finding = format!(
-        "{name}: {} lost, {} without a position that could be used ({} %)",
+        "{name}: {} lost, {} without a usable position ({} %)",
         counted(lost, "tick"),
         counted(unseen, "tick"),
         percent(unseen)
@@ -139,8 +139,8 @@ fn of_recording(card: &Card, sources: &Sources<'_>, number: usize, ticks: &Ticks
         "lost samples",
         !words.is_empty() || lost > 0 || unseen as f64 > LATE_SHARE * all,
         finding,
-        "a longer --period, so that the device has something new in each; a disk and a processor that are not \
-         shared while it is recorded; `palpate info` says where ticks are missing",
+        "a longer --period, so that each has a new sample of the device; a disk and a processor that are not shared \
+         during the recording; `palpate info` lists the missing ticks",
     ));
     let counted_ticks = recording.counted.as_ref();
     let off = counted_ticks.map_or(ticks.motors_off, |count| count.motors_off);
@@ -154,23 +154,23 @@ fn of_recording(card: &Card, sources: &Sources<'_>, number: usize, ticks: &Ticks
         } else {
             format!("{name}: the motors were on all the time")
         },
-        "`palpate info` names the event that stopped the safety; a slower hand, a softer contact, or another limit \
-         (--safe-force, --safe-speed, --oscillation) where the device allows it",
+        "`palpate info` names the cause of the safety stop; a slower hand, a softer contact, or another limit \
+         (--safe-force, --safe-speed, --oscillation) if the device allows it",
     ));
     checks.push(check(
         "safety limits",
         ticks.limited as f64 > LIMITED_SHARE * all,
         format!(
-            "{name}: the safety changed the force of {} % of the ticks",
+            "{name}: the safety layer changed the force of {} % of the ticks",
             percent(ticks.limited)
         ),
-        "a softer contact, or a larger --safe-force where the device allows it: a wall whose force is cut feels soft",
+        "a softer contact, or a larger --safe-force if the device allows it: a wall with a limited force feels soft",
     ));
     checks
 }
 
 fn delay(card: &Card, sources: &Sources<'_>) -> Check {
-    const NAME: &str = "delay told";
+    const NAME: &str = "modelled delay";
     let device = &card.device;
     let Some(period) = device.value("period_s") else {
         return not_checked(NAME, "the period of the loop is not known");
@@ -192,18 +192,18 @@ fn delay(card: &Card, sources: &Sources<'_>) -> Check {
             NAME,
             (model - found).abs() > DELAY * period,
             format!(
-                "the recorded loop was told {} ms of delay and lag, and the device file says {} ms, {} periods",
+                "the recorded loop's model has {} ms of delay and lag, but the device file has {} ms, {} periods",
                 ms(model),
                 ms(found),
                 digits(found / period)
             ),
-            "record with --device-file, so that the renderer is told: coupled rendering loses its lead from 0.03 \
-             periods of untold delay on",
+            "record with --device-file, which sets the model: coupled rendering loses its advantage from 0.03 periods \
+             of unmodelled delay on",
         ),
         (Some(_), None) if device.is_simulated => Check {
             name: NAME,
             outcome: Outcome::InOrder,
-            finding: "the device is simulated, and its renderer was told what the scene says"
+            finding: "the device is simulated, and the renderer's model is that of the scene"
                 .into(),
             remedy: None,
         },
@@ -211,11 +211,11 @@ fn delay(card: &Card, sources: &Sources<'_>) -> Check {
             NAME,
             model == 0.0,
             if model == 0.0 {
-                "the recorded loop was told of no delay and no lag, and nobody has measured them"
+                "the recorded loop's model has no delay and no lag, and they are not measured"
                     .to_owned()
             } else {
                 format!(
-                    "the recorded loop was told {} ms of delay and lag; no device file says whether that is so",
+                    "the recorded loop's model has {} ms of delay and lag; no device file confirms it",
                     ms(model)
                 )
             },
@@ -225,13 +225,16 @@ fn delay(card: &Card, sources: &Sources<'_>) -> Check {
             NAME,
             false,
             format!(
-                "the device file says {} ms of delay and lag, {} periods; give it to every command as --device-file",
+                "the device file has {} ms of delay and lag, {} periods; pass it to every command as --device-file",
                 ms(found),
                 digits(found / period)
             ),
             "",
         ),
-        (None, None) => not_checked(NAME, "neither a recording nor a device file says a delay"),
+        (None, None) => not_checked(
+            NAME,
+            "neither a recording nor a device file contains a delay",
+        ),
     }
 }
 
@@ -251,11 +254,11 @@ fn friction(card: &Card) -> Check {
                 digits(100.0 * friction / force),
                 digits(force)
             ),
-            "forces below the friction are not felt: less pressure in the bearings, or contacts whose forces are well \
-             above it",
+            "forces below the friction are not felt: reduce the bearing load, or use contacts with forces well above \
+             it",
         ),
-        (None, _) => not_checked(NAME, "no device file says a friction"),
-        (_, None) => not_checked(NAME, "nothing says the largest force of the device"),
+        (None, _) => not_checked(NAME, "no device file contains a friction"),
+        (_, None) => not_checked(NAME, "the largest force of the device is not known"),
     }
 }
 
@@ -268,7 +271,7 @@ fn resonance(card: &Card) -> Check {
     let Some(resonance) = device.value("resonance_hz") else {
         return not_checked(
             NAME,
-            "the device file has none; a calibration finds those below a third of the loop rate",
+            "the device file has no resonance; a calibration finds resonances below a third of the loop rate",
         );
     };
     let (Some(reach), Some(mass)) = (&card.reach, device.value("device_mass_kg")) else {
@@ -280,8 +283,8 @@ fn resonance(card: &Card) -> Check {
         NAME,
         reach.stiffness_n_per_m > stiffest,
         format!(
-            "{} Hz between motor and end-point; a wall above about {} N/m, a third of that frequency, meets a device \
-             that is not rigid (this page asks about {} N/m)",
+            "{} Hz between motor and end-point; on a wall above about {} N/m, a third of that frequency, the device \
+             is not rigid (this page is for {} N/m)",
             digits(resonance),
             digits(stiffest),
             digits(reach.stiffness_n_per_m)
@@ -293,10 +296,10 @@ fn resonance(card: &Card) -> Check {
 fn quantum(card: &Card) -> Check {
     const NAME: &str = "sensor step";
     let Some(quantum) = card.device.value("sensor_quantum_m") else {
-        return not_checked(NAME, "nothing says the step of the position sensor");
+        return not_checked(NAME, "the step of the position sensor is not known");
     };
     let Some(contact) = &card.contact else {
-        return not_checked(NAME, "there is no contact to count steps in");
+        return not_checked(NAME, "there is no contact");
     };
     if quantum == 0.0 {
         return check(NAME, false, "the position sensor has no steps".into(), "");
@@ -306,7 +309,7 @@ fn quantum(card: &Card) -> Check {
         NAME,
         steps < COUNTS,
         format!(
-            "the contact below is {} steps of the sensor deep; one step of {} um is {} N",
+            "the contact below is {} sensor steps deep; one step of {} um is {} N",
             digits(steps),
             digits(1e6 * quantum),
             digits(contact.stiffness_n_per_m * quantum)
@@ -347,7 +350,7 @@ fn calibration(card: &Card) -> Vec<Check> {
             "calibrated period",
             (of_file.value / period - 1.0).abs() > 1e-6,
             format!(
-                "the device file was found at a period of {} ms; the loop has {} ms",
+                "the device file was calibrated at a period of {} ms; the loop has {} ms",
                 digits(1e3 * of_file.value),
                 digits(1e3 * period)
             ),

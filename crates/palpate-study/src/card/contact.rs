@@ -88,13 +88,12 @@ impl ContactCard {
         let name = file_name(recording.path());
         if !recording.has_one_contact_each {
             return Err(format!(
-                "{name} has several contacts in a tick; the page shows one"
+                "{name} has several contacts in a tick; the page supports one"
             ));
         }
         let period = file.scene.loop_params.period;
-        let part = strongest(&ticks.all, period).ok_or_else(|| {
-            format!("{name} has no contact under the parameters that it began with")
-        })?;
+        let part = strongest(&ticks.all, period)
+            .ok_or_else(|| format!("{name} has no contact under its initial parameters"))?;
         Self::on_motion(recording, &file, part).map_err(|error| format!("{name}: {error}"))
     }
 
@@ -196,8 +195,8 @@ method = "coupled"
         let bench = Bench::new(&scene).map_err(|error| error.to_string())?;
         let run = bench.run(method).map_err(|error| error.to_string())?;
         let source = format!(
-            "a simulation with the numbers of this page: a hand of {} N presses the device into a wall from {} mm \
-             away, by {method}, which is told these numbers",
+            "a simulation with the values of this page: a hand of {} N presses the device into a wall from {} mm \
+             away, by {method}, whose model has these values",
             digits(hand),
             1e3 * FROM
         );

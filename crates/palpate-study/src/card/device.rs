@@ -86,7 +86,7 @@ impl<'a> RecordingMetadata<'a> {
 
 impl DeviceCard {
     /// Creates the device that all sources describe.
-    pub(super) fn of(sources: &Sources<'_>) -> Result<Self, CardError> {
+    pub(super) fn new(sources: &Sources<'_>) -> Result<Self, CardError> {
         let metadata: Vec<RecordingMetadata<'_>> = sources
             .recordings
             .iter()
@@ -119,7 +119,7 @@ impl DeviceCard {
         let model_value = |key: &'static str| {
             let metadata = first?;
             let value = *model(metadata.recording).get(key)?;
-            metadata.said(key, value, "what the renderer was told in")
+            metadata.said(key, value, "the renderer's model in")
         };
         let scene = first.and_then(|metadata| scene_of(metadata.recording).ok());
         let scene = scene.map(|file| file.scene);

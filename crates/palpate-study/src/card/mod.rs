@@ -113,7 +113,7 @@ pub enum CardError {
     Recording(#[from] RecordingError),
     /// The recordings are of different devices.
     #[error(
-        "{first} is of the device `{of_first}`, and {other} of `{of_other}`; a report is of one device"
+        "{first} is from the device `{of_first}`, but {other} is from `{of_other}`; a report covers one device"
     )]
     SeveralDevices {
         /// The first recording.
@@ -126,7 +126,7 @@ pub enum CardError {
         of_other: String,
     },
     /// The map cannot be computed with the properties of the device.
-    #[error("what can be rendered cannot be computed with the numbers of this device: {0}")]
+    #[error("the renderable contacts cannot be computed with the values of this device: {0}")]
     Reach(#[from] BounceError),
 }
 
@@ -141,7 +141,7 @@ impl Card {
     ///
     /// # Errors
     /// A recording cannot be read, the recordings are of different devices, or the map cannot be computed.
-    pub fn of(
+    pub fn new(
         sources: &Sources<'_>,
         progress: impl Fn(CardProgress<'_>) + Sync,
     ) -> Result<Self, CardError> {
@@ -151,16 +151,16 @@ impl Card {
         for recording in sources.recordings {
             read.push(Ticks::read(recording)?);
         }
-        let device = DeviceCard::of(sources)?;
+        let device = DeviceCard::new(sources)?;
         let timing: Vec<TimingCard> = sources
             .recordings
             .iter()
             .zip(&read)
-            .map(|(recording, ticks)| TimingCard::of(recording, ticks))
+            .map(|(recording, ticks)| TimingCard::new(recording, ticks))
             .collect();
         let calibration = sources
             .device_file
-            .map(|file| CalibrationCard::of(file, sources.calibration_run.as_ref()));
+            .map(|file| CalibrationCard::new(file, sources.calibration_run.as_ref()));
         let stiffness = sources
             .stiffness
             .or(device.stiffness_of_scene)
@@ -184,9 +184,9 @@ impl Card {
                 Err(why) => no_contact.push(why),
             }
         }
-        begins("what can be rendered");
+        begins("renderable contacts");
         let step = || progress(CardProgress::Step);
-        let reach = ReachCard::of(&device, &deviations, stiffness, sources.methods, step)?;
+        let reach = ReachCard::new(&device, &deviations, stiffness, sources.methods, step)?;
         let mut card = Self {
             format: FORMAT,
             palpate_version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -113,7 +113,7 @@ impl ReachCard {
 
     /// Computes the limits with the properties of `device`; `None` if its mass or its period is unknown. Calls `done`
     /// after each line of each method.
-    pub(super) fn of(
+    pub(super) fn new(
         device: &DeviceCard,
         deviations: &Model,
         stiffness: f64,

@@ -88,9 +88,9 @@ impl Card {
         for of in &self.timing {
             for (name, durations) in [
                 ("period", &of.period_s),
-                ("woken late by", &of.lateness_s),
+                ("lateness", &of.lateness_s),
                 ("tick", &of.tick_s),
-                ("device's answer", &of.round_trip_s),
+                ("device response", &of.round_trip_s),
             ] {
                 if let Some(durations) = durations {
                     let name = if self.timing.len() > 1 {
@@ -121,8 +121,8 @@ impl super::ReachCard {
             _ => format!(" ± {} ms", digits(1e3 * deviation)),
         };
         let known = format!(
-            "Computed for a device of {} kg at a period of {} ms, with a delay of {} ms{}, a lag of {} ms{}, {} N s/m of \
-             friction and sensor steps of {} um, by a renderer that is told these numbers",
+            "Computed for a device of {} kg at a period of {} ms, with a delay of {} ms{}, a lag of {} ms{}, {} N s/m \
+             of friction and sensor steps of {} um, by a renderer whose model has these values",
             digits(self.device_mass_kg),
             digits(1e3 * self.period_s),
             digits(1e3 * self.delay_s),
@@ -135,13 +135,13 @@ impl super::ReachCard {
         let assumed = if self.assumed.is_empty() {
             String::new()
         } else {
-            format!(" (nothing says {}, taken as 0)", self.assumed.join(", "))
+            format!(" (unknown, taken as 0: {})", self.assumed.join(", "))
         };
         format!(
-            "{known}{assumed}. Dry friction is left out. {} contacts bounced from {} start heights each, in {} s; kappa \
-             and Kc from {} to {}. The resolution is a factor of {:.2} over the object's mass, and of {:.2} for wall and \
-             object. Stable: no bounce gains more than 1 % of energy. Good: stable, E and hold bound below {} %, and \
-             steady at rest and pressed in a hand. The lightest object is that at {} N/m.",
+            "{known}{assumed}. Dry friction is ignored. {} contacts bounced from {} start heights each, in {} s; \
+             kappa and Kc from {} to {}. The resolution is a factor of {:.2} over the object's mass, and of {:.2} for \
+             wall and object. Stable: no bounce gains more than 1 % of energy. Good: stable, E and hold bound below \
+             {} %, and steady at rest and pressed in a hand. The lightest object is at {} N/m.",
             self.contacts,
             self.start_heights,
             digits(self.computed_in_s),
@@ -164,7 +164,7 @@ impl super::TimingCard {
             words.push_str(&format!(" over {} s", digits(lasted)));
         }
         if let Some(period) = self.period_asked_s {
-            words.push_str(&format!(", asked for every {} ms", digits(1e3 * period)));
+            words.push_str(&format!(", requested every {} ms", digits(1e3 * period)));
         }
         words.push_str(&format!(
             "; {} missed, {} lost",

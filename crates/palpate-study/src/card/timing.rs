@@ -80,11 +80,11 @@ pub struct Histogram {
 }
 
 impl TimingCard {
-    pub(super) fn of(recording: &Recording, ticks: &Ticks) -> Self {
+    pub(super) fn new(recording: &Recording, ticks: &Ticks) -> Self {
         let scene = scene_of(recording).ok().map(|file| file.scene);
         let counted = recording.counted.as_ref();
         let all = |of: fn(&Tick) -> f64, bins: fn(&[f64]) -> Histogram| {
-            Distribution::of(ticks.all.iter().map(|row| of(&row.tick)), bins)
+            Distribution::new(ticks.all.iter().map(|row| of(&row.tick)), bins)
         };
         Self {
             recording: file_name(recording.path()),
@@ -108,7 +108,7 @@ impl TimingCard {
 
 impl Distribution {
     /// Creates the distribution of the finite values; `None` if there are none.
-    fn of(values: impl Iterator<Item = f64>, bins: fn(&[f64]) -> Histogram) -> Option<Self> {
+    fn new(values: impl Iterator<Item = f64>, bins: fn(&[f64]) -> Histogram) -> Option<Self> {
         let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
         values.sort_by(f64::total_cmp);
         let at = |part: f64| {
@@ -179,7 +179,7 @@ mod tests {
     fn quantiles_are_values_and_no_value_is_lost_in_a_histogram() {
         let values = (1..=200).map(|i| 1e-5 * f64::from(i)).chain([f64::NAN]);
         for bins in [even, logarithmic] {
-            let found = Distribution::of(values.clone(), bins).unwrap();
+            let found = Distribution::new(values.clone(), bins).unwrap();
             assert_eq!((found.count, found.smallest), (200, 1e-5));
             assert_eq!(
                 (found.median, found.p99, found.largest),
@@ -192,14 +192,14 @@ mod tests {
             assert!(edges[0] <= 1e-5 * (1.0 + 1e-9), "{edges:?}");
             assert!(edges[edges.len() - 1] >= 2e-3 * (1.0 - 1e-9), "{edges:?}");
         }
-        assert!(Distribution::of([f64::NAN].into_iter(), even).is_none());
+        assert!(Distribution::new([f64::NAN].into_iter(), even).is_none());
     }
 
     #[test]
     fn values_that_are_all_the_same_and_values_below_zero_have_a_bin() {
         for bins in [even, logarithmic] {
             for value in [1e-3, 0.0, -1e-3] {
-                let found = Distribution::of([value; 5].into_iter(), bins).unwrap();
+                let found = Distribution::new([value; 5].into_iter(), bins).unwrap();
                 assert_eq!(found.histogram.counts.iter().sum::<u64>(), 5, "{value}");
                 assert_eq!(found.histogram.counts.iter().max(), Some(&5), "{value}");
             }

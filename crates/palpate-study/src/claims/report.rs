@@ -117,7 +117,7 @@ impl fmt::Display for ClaimReport {
         writeln!(f, "{}: {}", self.name, self.holds)?;
         for said in [
             format!("  The paper: {}.", self.paper),
-            format!("  To hold here: {}.", self.takes),
+            format!("  Criterion: {}.", self.takes),
         ] {
             writeln!(f, "{}", hanging(&said, 4))?;
         }
@@ -163,7 +163,7 @@ mod tests {
         let text = report.to_string();
         assert!(text.starts_with("the box: holds in part\n"), "{text}");
         assert!(text.contains("The paper: it stays."), "{text}");
-        assert!(text.contains("To hold here: the same here."), "{text}");
+        assert!(text.contains("Criterion: the same here."), "{text}");
         let line = |what: &str| {
             let mut lines = text.lines();
             let line = lines.find(|line| line.trim_start().starts_with(what));
@@ -177,7 +177,7 @@ mod tests {
         let long = "Fig. 2, hfcr-mod-st: sum of their absolute values, original over remaining";
         let claim = Claim {
             name: "leak",
-            paper: "on Fig. 2 the leak that remains is at least ten times smaller than the original leak",
+            paper: "on Fig. 2 the remaining leak is at least ten times smaller than the original leak",
             takes: "the same here".into(),
             found: vec![found(long, Some(481.0), Some(false))],
             holds: Holds::No,

@@ -139,7 +139,7 @@ impl fmt::Display for HeightsReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{} start heights within ±{} %, told {} times the device's mass",
+            "{} start heights within ±{} %, model mass {} times the device's mass",
             self.start_heights,
             100.0 * self.height_range,
             self.model_mass_factor
@@ -147,7 +147,7 @@ impl fmt::Display for HeightsReport {
         for scene in &self.scenes {
             writeln!(
                 f,
-                "\n{}; floor {:.2} %\n",
+                "\n{}; hold bound {:.2} %\n",
                 drawn_title(&scene.title, scene.seed),
                 scene.hold_bound_percent
             )?;

@@ -148,7 +148,8 @@ impl Bounce {
 
 impl Entry {
     fn new(plant: Plant, method: MethodName, outcomes: &[Outcome]) -> Self {
-        let summary = |of: &dyn Fn(&Outcome) -> f64| Summary::of(outcomes.iter().map(of).collect());
+        let summary =
+            |of: &dyn Fn(&Outcome) -> f64| Summary::new(outcomes.iter().map(of).collect());
         let mut classes = [0; 3];
         for outcome in outcomes {
             classes[classify(outcome.growth) as usize] += 1;
@@ -174,7 +175,7 @@ impl Entry {
 }
 
 impl Summary {
-    fn of(mut values: Vec<f64>) -> Self {
+    fn new(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         Self {
             median: values[values.len() / 2],

@@ -126,14 +126,14 @@ impl MapJob<'_> {
             None => journal.begin(&head)?,
             Some(_) if !self.is_resumed => {
                 return Err(MapJobError::Other(format!(
-                    "{} keeps {} cells of a map that was interrupted; go on with --resume, or delete it",
+                    "{} contains {} cells of an interrupted map; continue with --resume, or delete it",
                     journal_path.display(),
                     found.lines.len()
                 )));
             }
             Some(begun) if begun != head => {
                 return Err(MapJobError::Other(format!(
-                    "{} is of another map; give the arguments it was begun with, or delete it\n  \
+                    "{} is of another map; pass its original arguments, or delete it\n  \
                      begun: {begun}\n  now:   {head}",
                     journal_path.display()
                 )));
@@ -175,7 +175,7 @@ impl MapJob<'_> {
         follower.end();
         let kept = done.len();
         let keeps = format!(
-            "{kept} of {whole} cells are kept in {}; go on with --resume",
+            "{kept} of {whole} cells are kept in {}; continue with --resume",
             journal_path.display()
         );
         if let Some(error) = fault {
@@ -216,14 +216,13 @@ fn complete(
         _ if may_overwrite => Ok(None),
         Ok(map) if map.format() != Some(Format::BouncesAndStays) => {
             Err(MapJobError::Other(format!(
-                "{} is by an older version and has bounces alone; name another file with --out, or replace it \
-             with --overwrite",
+                "{} was made by an older version and has only bounces; name another file with --out, or replace it \
+                 with --overwrite",
                 out.display()
             )))
         }
         Ok(_) => Err(MapJobError::Other(format!(
-            "{} is another map, and complete; name another file with --out, or replace it with \
-             --overwrite",
+            "{} is another, complete map; name another file with --out, or replace it with --overwrite",
             out.display()
         ))),
         Err(error) => Err(MapJobError::Other(format!(

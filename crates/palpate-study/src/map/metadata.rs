@@ -7,7 +7,7 @@ use palpate_record::map::{CELLS, LINES_PER_CELL, Map, SHARD};
 
 /// The metadata of a map lacks a number.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the metadata of the map has no number under {0}")]
+#[error("the metadata of the map has no number {0}")]
 pub struct NoNumber(pub String);
 
 /// Returns the metadata that determine a map, and the part of the map in the file.

@@ -319,9 +319,8 @@ impl MapReport {
         let mut table = plain_table(CellAlignment::Left, &header);
         for method in &self.methods {
             let Some(stay) = &method.stay else {
-                let older = "This map is by an older version and has bounces alone: whether an object \
-                             rests on the device, or a contact is steady when it is pressed, is not known \
-                             of it.";
+                let older = "This map was made by an older version and has only bounces, no resting or \
+                             pressed contacts.";
                 return writeln!(f, "{}\n", wrapped(older));
             };
             table.add_row(vec![
@@ -336,8 +335,8 @@ impl MapReport {
         }
         writeln!(f, "{}\n", lines(&table))?;
         let meaning = format!(
-            "Rests by its weight, pressed with {PRESSED_WITH} N: in a light and in a firm hand, the force \
-             swings by less than {} % of what presses (standard deviation). \"Both\" are stable, too.",
+            "Rests by its weight, pressed with {PRESSED_WITH} N: in a light and in a firm hand, the force swings by \
+             less than {} % of the pressing force (standard deviation). \"Both\" are also stable.",
             percent(100.0 * RESTS_BELOW)
         );
         writeln!(f, "{}\n", wrapped(&meaning))
@@ -380,8 +379,8 @@ impl fmt::Display for MapReport {
                 scene.lag_deviation_periods,
                 0.0,
             ),
-            ("told mass x", scene.model_mass_factor, 1.0),
-            ("told period x", scene.model_period_factor, 1.0),
+            ("model mass x", scene.model_mass_factor, 1.0),
+            ("model period x", scene.model_period_factor, 1.0),
         ] {
             if value != usual {
                 forces.push_str(&format!("; {name} {value}"));
@@ -411,8 +410,8 @@ impl fmt::Display for MapReport {
                 ]);
             }
             writeln!(f, "{}\n", lines(&table))?;
-            let stable = "Stable: from every start height, energy grows by at most 1 % per collision. A \
-                          dash: not even the softest of the map.";
+            let stable = "Stable: from every start height, energy grows by at most 1 % per collision. A dash: not \
+                          even the softest contact of the map.";
             writeln!(f, "{}\n", legend(&[stable, E]))?;
             self.write_stays(f)?;
         } else {
@@ -436,7 +435,7 @@ impl fmt::Display for MapReport {
             writeln!(f, "wrote {file}")?;
         }
         for file in &self.kept {
-            writeln!(f, "kept {file}, which was there")?;
+            writeln!(f, "kept the existing {file}")?;
         }
         Ok(())
     }

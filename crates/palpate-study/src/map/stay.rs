@@ -151,7 +151,7 @@ impl Bounce {
                 ..Hand::pushing(force)
             };
         }
-        Ok(TickedDevice::of(&scene)?)
+        Ok(TickedDevice::new(&scene)?)
     }
 
     /// Returns the standard deviation on a device in its hand.

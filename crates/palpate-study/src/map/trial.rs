@@ -166,7 +166,7 @@ impl Course {
         let device = &bounce.device;
         if device.coulomb_friction > 0.0 {
             let scene = bounce.scene(0.0, 1);
-            self.run_on(TickedDevice::of(&scene)?, bounce, renderer)
+            self.run_on(TickedDevice::new(&scene)?, bounce, renderer)
         } else if device.viscous_friction > 0.0 {
             let viscous =
                 ViscousMass::new(device.mass, device.viscous_friction, bounce.user_force())?;

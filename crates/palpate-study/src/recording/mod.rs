@@ -58,9 +58,9 @@ pub fn shortcomings(recording: &Recording) -> Vec<String> {
     }
     words.extend(recording.damage.iter().map(|damage| {
         if damage.starts_with(WHOLE) {
-            format!("{damage}; what is read stands in parts whose own checksums fit")
+            format!("{damage}; the data that were read have matching checksums of their own")
         } else {
-            format!("not what was written, and left out: {damage}")
+            format!("corrupt and skipped: {damage}")
         }
     }));
     words
@@ -104,14 +104,14 @@ pub fn motors_off(time: Option<LoopTime>, ticks: u64, of: u64) -> String {
         Some(LoopTime { lasted, motors_off }) => {
             let (off, all) = (motors_off.as_secs_f64(), lasted.as_secs_f64());
             format!(
-                "safety had the motors off for {} s of {} s ({} %), and at the end of {of_ticks}",
+                "the safety layer kept the motors off for {} s of {} s ({} %), and at the end of {of_ticks}",
                 digits(off),
                 digits(all),
                 percent(off, all)
             )
         }
         None => format!(
-            "safety had the motors off for {of_ticks} ({} %)",
+            "the safety layer kept the motors off for {of_ticks} ({} %)",
             percent(ticks as f64, of as f64)
         ),
     }
@@ -121,7 +121,7 @@ pub fn motors_off(time: Option<LoopTime>, ticks: u64, of: u64) -> String {
 #[must_use]
 pub fn refused(ticks: u64, of: u64) -> String {
     format!(
-        "the renderer refused the samples of {ticks} of {}, and asked for no force",
+        "the renderer refused the samples of {ticks} of {}; its force was 0 there",
         counted(of, "tick")
     )
 }
@@ -136,7 +136,7 @@ fn gaps(missing: &[Gap]) -> String {
         })
         .collect();
     if missing.len() > MAX_GAPS {
-        words.push(format!("and in {} places more", missing.len() - MAX_GAPS));
+        words.push(format!("further gaps: {}", missing.len() - MAX_GAPS));
     }
     words.join(", ")
 }

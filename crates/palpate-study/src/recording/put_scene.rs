@@ -19,8 +19,8 @@ pub enum PutSceneError {
     Invalid(#[from] SceneErrors),
     /// The scene names other files and differs from its file.
     #[error(
-        "{name}: {why}, so a recording can hold this scene only as its file has it; put \
-         what the flags change into the file"
+        "{name}: {why}, so a recording can contain this scene only as in its file; put the changes of the flags into \
+         the file"
     )]
     Changed {
         /// The file.

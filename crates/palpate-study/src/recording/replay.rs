@@ -115,7 +115,7 @@ impl RecordingReplay<'_> {
         let (recording, scene) = (self.recording, self.scene);
         let name = recording.path().display().to_string();
         let wrong = RecordingReplayError::Ticks;
-        let mut ticks = Ticks::of(recording, &self.part).map_err(wrong)?;
+        let mut ticks = Ticks::new(recording, &self.part).map_err(wrong)?;
         let mut setup = ReplaySetup::of_scene(scene);
         if !self.object_as_in_scene {
             ticks.place_object(&mut setup, matches!(self.of, ReplayOf::Hand(_)));

@@ -288,7 +288,7 @@ impl RecordingReport {
                 Some(format!("{name} {value}{deviation}{unit}"))
             })
             .collect();
-        (!words.is_empty()).then(|| format!("the renderer was told: {}", words.join(", ")))
+        (!words.is_empty()).then(|| format!("the renderer's model: {}", words.join(", ")))
     }
 }
 
@@ -304,8 +304,8 @@ impl fmt::Display for RecordingReport {
         } else if self.whole {
             writeln!(
                 f,
-                "finished, and nothing is known to be lost; it does not say how many ticks the loop \
-                 made, so there may have been more after the last"
+                "finished, and no loss is known; the number of ticks of the loop is not recorded, so ticks after the \
+                 last may be missing"
             )?;
         }
         for words in &self.shortcomings {
@@ -325,10 +325,10 @@ impl fmt::Display for RecordingReport {
         };
         writeln!(f, "{}{over}", counted(self.ticks, "tick"))?;
         for (name, seconds) in [
-            ("latest sample", self.largest_lateness_s),
+            ("largest lateness", self.largest_lateness_s),
             ("longest period", self.longest_period_s),
             ("longest tick", self.longest_tick_s),
-            ("longest answer of the device", self.longest_round_trip_s),
+            ("longest device response", self.longest_round_trip_s),
         ] {
             if let Some(seconds) = seconds {
                 writeln!(f, "  {name}: {} ms", digits(1e3 * seconds))?;
@@ -351,7 +351,7 @@ impl fmt::Display for RecordingReport {
                 .map(|(name, count)| format!("{name}: {count}"))
                 .collect();
             let said = if flags.is_empty() {
-                "nothing to be said".to_owned()
+                "no flags".to_owned()
             } else {
                 flags.join(", ")
             };

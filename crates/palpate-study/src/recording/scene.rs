@@ -13,7 +13,7 @@ const SCENE: &str = "scene";
 #[non_exhaustive]
 pub enum NoScene {
     /// The metadata contain no scene.
-    #[error("{0}: its metadata has no text called {SCENE}, so nothing says what the contact was")]
+    #[error("{0}: metadata entry `{SCENE}` is missing, so the contact parameters are unknown")]
     Missing(String),
     /// The scene in the metadata is invalid.
     #[error(transparent)]

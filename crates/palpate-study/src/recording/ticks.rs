@@ -18,7 +18,7 @@ pub enum TicksError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// The requested part of the recording is too short.
-    #[error("{name}: the part that --from and --to name has {ticks}, but needs at least 2{ends}")]
+    #[error("{name}: the part between --from and --to has {ticks}, but needs at least 2{ends}")]
     Part {
         /// The recording.
         name: String,
@@ -29,9 +29,8 @@ pub enum TicksError {
     },
     /// The device position was unknown for too long.
     #[error(
-        "{name}: no position between tick {} at {} s and tick {} at {} s; a hand is \
-         estimated across {longest} s at most: state a longer --largest-gap, or \
-         replay the motion with --replay motion",
+        "{name}: no position between tick {} at {} s and tick {} at {} s; a hand is estimated across at most \
+         {longest} s: pass a longer --largest-gap, or replay the motion with --replay motion",
         from.0, from.1, to.0, to.1
     )]
     Gap {
@@ -46,8 +45,8 @@ pub enum TicksError {
     },
     /// The recording contains no force.
     #[error(
-        "{0}: no tick says which force was sent, so what the hand did cannot be told from \
-         what the motor did; --replay motion needs no force"
+        "{0}: no tick contains the sent force, so the hand's force cannot be separated from the motor's; --replay \
+         motion needs no force"
     )]
     NoForce(String),
 }
@@ -72,7 +71,7 @@ impl Ticks {
     /// # Errors
     /// The recording cannot be read, a tick does not have one contact, or a part that is not the whole has fewer than
     /// two ticks.
-    pub fn of(recording: &Recording, part: &Part) -> Result<Self, TicksError> {
+    pub fn new(recording: &Recording, part: &Part) -> Result<Self, TicksError> {
         if !recording.has_one_contact_each {
             let name = recording.path().display().to_string();
             return Err(TicksError::Contacts(name));

@@ -238,7 +238,7 @@ pub struct Subject<'a> {
 impl<'a> Subject<'a> {
     /// Returns the properties of a scene in closed loop.
     #[must_use]
-    pub fn of(scene: &'a Scene) -> Self {
+    pub fn new(scene: &'a Scene) -> Self {
         Self {
             title: scene.title.clone(),
             contact: &scene.contact,
@@ -284,7 +284,7 @@ impl Report {
             Mass::Finite(mass) => mass,
             Mass::Infinite => f64::INFINITY,
         };
-        let difficulty = Difficulty::of(
+        let difficulty = Difficulty::new(
             subject.contact.stiffness,
             subject.device_mass.unwrap_or(f64::INFINITY),
             object_mass,

@@ -50,7 +50,7 @@ impl fmt::Display for FromRecording {
         }
         if self.parameter_changes > 0 {
             let count = counted(self.parameter_changes, "change");
-            write!(f, "; {count} of parameters, not made here")?;
+            write!(f, "; {count} of parameters, not repeated here")?;
         }
         Ok(())
     }

@@ -104,7 +104,7 @@ impl Replayed {
     pub(super) fn in_words(&self) -> String {
         let hand = match self {
             Self::Motion => {
-                return "motion replay: the device goes where it went, whatever the force (1/m = 0)".into();
+                return "motion replay: the device repeats its motion, whatever the force (1/m = 0)".into();
             }
             Self::Hand(hand) => hand,
         };
@@ -115,16 +115,14 @@ impl Replayed {
             "motor off"
         };
         let holds_on = match (hand.hand_stiffness_n_per_m, hand.hand_damping_n_s_per_m) {
-            (0.0, 0.0) => "its force is the same wherever the device goes".into(),
+            (0.0, 0.0) => "its force does not depend on the device's motion".into(),
             (stiffness, damping) => {
                 let assumed = if hand.hand_is_assumed {
-                    " (assumed; --hand-stiffness and --hand-damping state another)"
+                    " (assumed; change it with --hand-stiffness and --hand-damping)"
                 } else {
                     ""
                 };
-                format!(
-                    "it holds on to its motion with {stiffness} N/m and {damping} N s/m{assumed}"
-                )
+                format!("its impedance is {stiffness} N/m and {damping} N s/m{assumed}")
             }
         };
         let bridged = match hand.bridged_samples {
@@ -142,7 +140,7 @@ impl Replayed {
         format!(
             "hand replay ({motor}): the hand's force on {} kg, {} N rms, is known to ±{} N (1 sigma, up to \
              {} Hz);\n\
-             it gives the recorded motion back within {} um;\n\
+             it reproduces the recorded motion within {} um;\n\
              {holds_on};\n\
              {bridged}the device leaves the recorded motion, which spans {} mm, by up to: {}",
             (hand.moved_mass_kg * 1e6).round() / 1e6,

@@ -61,8 +61,8 @@ impl fmt::Display for Report {
             writeln!(f, "{}\n", legend(&[E, FRE, LEAKS]))?;
         }
         if self.seed.is_some() && self.seeds.is_none() {
-            let draw = "The numbers are of one draw of the random numbers; `simulate --seeds 20` shows how they vary from \
-                        seed to seed.";
+            let draw = "The results are of one random draw; `simulate --seeds 20` shows how they vary from seed to \
+                        seed.";
             writeln!(f, "{}\n", wrapped(draw))?;
         }
         if let [method] = self.methods.as_slice()
@@ -131,7 +131,7 @@ impl Report {
         };
         let floor = self.hold_bound_percent.map_or_else(
             || "no contact".into(),
-            |floor| format!("floor {floor:.1} %"),
+            |floor| format!("hold bound {floor:.1} %"),
         );
         format!(
             "{kappa}Kc {}, {} Hz{delay}; {floor}{timing}",
@@ -197,8 +197,8 @@ impl Report {
         let rendered = method.rendered_collisions;
         (!(evaluated..=most).contains(&rendered)).then(|| {
             format!(
-                "{} rendered for {evaluated} ideal ones: from the first that is missing or surplus on, a row \
-                 compares different collisions.",
+                "{} rendered for {evaluated} ideal ones: from the first missing or surplus one on, a row compares \
+                 different collisions.",
                 counted(rendered, "collision")
             )
         })
@@ -234,7 +234,7 @@ impl Report {
             "method",
             "E %",
             "FRE %",
-            "FRE/floor",
+            "FRE/bound",
             "peak N",
             "pull N",
             "leak mJ",
@@ -294,7 +294,7 @@ impl Report {
             "method",
             "E %",
             "FRE %",
-            "FRE/floor",
+            "FRE/bound",
             "peak N",
             "pull N",
             "leak mJ",

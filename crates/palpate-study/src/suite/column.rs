@@ -65,14 +65,14 @@ pub enum ColumnError {
         fault: String,
     },
     /// There is no column.
-    #[error("there is no column; one is a table such as [my-variant] with method = \"hfcr\"")]
+    #[error("there is no column; add a table such as [my-variant] with method = \"hfcr\"")]
     None,
 }
 
 impl Column {
     /// Creates a column of a method with its defaults, under its own name.
     #[must_use]
-    pub fn of(method: MethodName) -> Self {
+    pub fn new(method: MethodName) -> Self {
         Self {
             name: method.name().into(),
             method,
@@ -134,14 +134,14 @@ impl Column {
         };
         let mut keys = table
             .as_table()
-            .ok_or_else(|| wrong("a column is a table".into()))?
+            .ok_or_else(|| wrong("a column must be a table".into()))?
             .clone();
         let method = keys
             .remove("method")
             .ok_or_else(|| wrong("it needs a method".into()))?;
         let method = method
             .as_str()
-            .ok_or_else(|| wrong("its method is a name in quotes".into()))?;
+            .ok_or_else(|| wrong("its method must be a name in quotes".into()))?;
         let method = method_named(method).map_err(|error| wrong(error.to_string()))?;
         let dampings = dampings(&mut keys).map_err(wrong)?;
         if dampings.is_some() && !method.uses(SettingKey::DAMPING) {
@@ -199,7 +199,7 @@ fn dampings(keys: &mut toml::Table) -> Result<Option<Dampings>, String> {
     const RATIO: &str = "damping_over_k_t";
     if keys.contains_key(GIVEN) && keys.contains_key(RATIO) {
         return Err(format!(
-            "{GIVEN} and {RATIO} are both its damping; one of them is needed"
+            "{GIVEN} and {RATIO} both set its damping; keep one of them"
         ));
     }
     let numbers = |name: &str, values: &[toml::Value]| -> Result<Vec<f64>, String> {
@@ -211,7 +211,7 @@ fn dampings(keys: &mut toml::Table) -> Result<Option<Dampings>, String> {
         };
         let read: Option<Vec<f64>> = values.iter().map(number).collect();
         read.filter(|read| !read.is_empty()).ok_or_else(|| {
-            format!("{name} is one number or a list of them, finite and not below 0")
+            format!("{name} must be a number or a list of numbers, finite and not below 0")
         })
     };
     match (keys.get(GIVEN), keys.get(RATIO)) {

@@ -303,7 +303,7 @@ impl fmt::Display for SuiteReport {
             |seeds| format!("seeds {} to {}", self.seed, self.seed + seeds as u64 - 1),
         );
         let drawn = format!(
-            "{}{}, {seeds}, {} each; {} were drawn again for want of collisions",
+            "{}{}, {seeds}, {} each; {} were redrawn for lack of collisions",
             counted(self.plants, "random plant"),
             self.set
                 .map_or_else(String::new, |set| format!(" of the set {set}")),
@@ -333,8 +333,7 @@ impl fmt::Display for SuiteReport {
                 writeln!(f, "{}", lines(&table))?;
             }
             if columns.len() < self.columns.len() {
-                let same =
-                    "The model of the delay changes nothing for the other methods: as above.";
+                let same = "The other methods do not use the model of the delay: as above.";
                 writeln!(f, "{}{same}", if columns.is_empty() { "" } else { "\n" })?;
             }
         }
@@ -344,7 +343,7 @@ impl fmt::Display for SuiteReport {
                 f,
                 "{}\n",
                 wrapped(
-                    "These are the plants of one seed; --seeds 7 shows how the numbers vary from seed to seed."
+                    "These are the plants of one seed; --seeds 7 shows how the results vary from seed to seed."
                 )
             )?;
         }
@@ -363,7 +362,7 @@ fn quantile_table(columns: &[(&str, &ConditionReport)]) -> Table {
         "75 %",
         "90 %",
         "max",
-        "FRE/floor median",
+        "FRE/bound median",
         "90 %",
         "peak/ideal median",
         "max",
@@ -406,7 +405,7 @@ fn spread_table(columns: &[(&str, &ConditionReport)]) -> Table {
         "E % median",
         "90 %",
         "max",
-        "FRE/floor median",
+        "FRE/bound median",
         "diverged",
     ];
     let mut table = plain_table(CellAlignment::Left, &header);

@@ -128,15 +128,15 @@ impl Set {
     #[must_use]
     pub fn columns(self) -> Vec<Column> {
         if self == Self::Paper {
-            return MethodName::ALL.map(Column::of).to_vec();
+            return MethodName::ALL.map(Column::new).to_vec();
         }
         vec![
-            Column::of(MethodName::Coupled),
-            Column::of(MethodName::Hfcr),
+            Column::new(MethodName::Coupled),
+            Column::new(MethodName::Hfcr),
             Column {
                 name: "virtual-damper, best B of each".into(),
                 dampings: Some(Dampings::OverImpedance(DAMPINGS.to_vec())),
-                ..Column::of(MethodName::VirtualDamper)
+                ..Column::new(MethodName::VirtualDamper)
             },
         ]
     }
@@ -176,7 +176,7 @@ impl Condition {
 
     /// Returns the scene of `plant` under this condition.
     #[must_use]
-    pub fn of(self, plant: &RandomPlant) -> Scene {
+    pub fn new(self, plant: &RandomPlant) -> Scene {
         let mut scene = plant.scene.clone();
         match self {
             Self::Delay(delay) => scene.delay = Delay::samples(delay),
@@ -255,7 +255,7 @@ fn true_transmission(scene: &Scene) -> Option<Transmission<f64>> {
     })
 }
 
-/// Formats a condition, for example `no delay`, `1 sample of delay`, `model the truth`.
+/// Formats a condition, for example `no delay`, `1 sample of delay, modelled`, `true model`.
 impl fmt::Display for Condition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -264,10 +264,10 @@ impl fmt::Display for Condition {
             Self::UnmodelledDelay(delay) => {
                 write!(f, "{} of delay, unmodelled", counted(*delay, "sample"))
             }
-            Self::Model(Telling::Nothing) => f.write_str("told nothing"),
-            Self::Model(Telling::Truth) => f.write_str("told the truth"),
-            Self::Model(Telling::Calibrated) => f.write_str("told as calibrated"),
-            Self::Model(Telling::Measured) => f.write_str("told by its own calibration"),
+            Self::Model(Telling::Nothing) => f.write_str("actuator unmodelled"),
+            Self::Model(Telling::Truth) => f.write_str("true model"),
+            Self::Model(Telling::Calibrated) => f.write_str("calibrated model"),
+            Self::Model(Telling::Measured) => f.write_str("model from its own calibration"),
             Self::Step(step) => f.write_str(step.in_words()),
         }
     }

@@ -57,19 +57,19 @@ impl Step {
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Nothing => "a perfect loop",
-            Self::ShortDelay => "delay .03 T, untold",
-            Self::DelayUnmodelled => "delay .3 T, untold",
-            Self::DelayModelled => "delay .3 T, told .3 T",
-            Self::Lag => "lag .3 ms, untold",
-            Self::LagAndDelay => "lag .3 ms + delay .5 T, both told",
-            Self::LagAndDelayMismatched => "the same, the delay told .02 T wrong",
-            Self::Jitter => "jitter 0-.1 T, mean told",
-            Self::Gain => "gain .9, untold",
-            Self::Quantum => "lag .3 ms + delay .5 T told, quantum 10 um",
+            Self::ShortDelay => "delay .03 T, unmodelled",
+            Self::DelayUnmodelled => "delay .3 T, unmodelled",
+            Self::DelayModelled => "delay .3 T, modelled",
+            Self::Lag => "lag .3 ms, unmodelled",
+            Self::LagAndDelay => "lag .3 ms + delay .5 T, both modelled",
+            Self::LagAndDelayMismatched => "the same, delay mismatched by .02 T",
+            Self::Jitter => "jitter 0-.1 T, mean modelled",
+            Self::Gain => "gain .9, unmodelled",
+            Self::Quantum => "lag .3 ms + delay .5 T modelled, quantum 10 um",
             Self::Flexible => "flexible 150 Hz",
             Self::Friction => "friction 30 % of the user's force",
-            Self::Noise => "sensor noise 5 um, untold",
-            Self::NoiseModelled => "sensor noise 5 um, told",
+            Self::Noise => "sensor noise 5 um, unmodelled",
+            Self::NoiseModelled => "sensor noise 5 um, modelled",
         }
     }
 

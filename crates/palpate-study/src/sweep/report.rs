@@ -163,7 +163,7 @@ impl fmt::Display for SweepReport {
         for at in &self.values {
             writeln!(
                 f,
-                "\n{} {}{unit}: floor {:.2} %, peak of the ideal {:.2} N\n",
+                "\n{} {}{unit}: hold bound {:.2} %, peak of the ideal {:.2} N\n",
                 self.over, at.value, at.hold_bound_percent, at.ideal_peak_force_n
             )?;
             let heights = at.columns.iter().any(|of| of.left_box_heights.is_some());

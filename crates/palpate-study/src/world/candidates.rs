@@ -29,7 +29,7 @@ pub struct Scale {
 impl Scale {
     /// Returns the scale of a scene.
     #[must_use]
-    pub fn of(scene: &WorldScene) -> Self {
+    pub fn new(scene: &WorldScene) -> Self {
         let laws = scene.world.contacts.iter().map(|contact| contact.law);
         let masses = || scene.devices.iter().flat_map(|device| device.mass);
         let finite = || masses().filter(|mass| mass.is_finite());

@@ -128,7 +128,7 @@ pub struct WorldFigures {
 }
 
 impl WorldFigures {
-    fn of(report: &WorldMethodReport, tuned: Option<usize>, settings: SettingReport) -> Self {
+    fn new(report: &WorldMethodReport, tuned: Option<usize>, settings: SettingReport) -> Self {
         let peaks = report
             .devices
             .iter()
@@ -247,14 +247,14 @@ fn row(
     let figures = |run: &WorldRun, tuned, settings| {
         let report = WorldReport::new(scene, bench, std::slice::from_ref(run));
         let floor = run.evaluation.sum.as_ref().map(|sum| sum.hold_bound);
-        let figures = WorldFigures::of(&report.methods[0], tuned, settings);
+        let figures = WorldFigures::new(&report.methods[0], tuned, settings);
         (WorldOutcome::Ran(Box::new(figures)), floor)
     };
     if let (Some(tunable), Err(_)) = (Tunable::named(method), scene.method(method)) {
         let tuned = search(scene, bench, tunable, || ())?;
         let best = best(&tuned, Objective::Error).expect("some setting was tried");
         if !best.is_usable() {
-            let none_found = none_found(tuned.len(), &WorldPointReport::of(best));
+            let none_found = none_found(tuned.len(), &WorldPointReport::new(best));
             return Ok((WorldOutcome::NoneFound { none_found }, None));
         }
         let settings = (&best.settings).into();
@@ -272,7 +272,7 @@ fn row(
 impl WorldComparison {
     /// Creates the comparison of these worlds.
     #[must_use]
-    pub fn of(scenes: Vec<WorldRows>) -> Self {
+    pub fn new(scenes: Vec<WorldRows>) -> Self {
         Self {
             format: FORMAT,
             scenes,
@@ -310,7 +310,7 @@ impl fmt::Display for WorldComparison {
             "method",
             "E %",
             "FRE %",
-            "FRE/floor",
+            "FRE/bound",
             "peak/ideal",
             "leak mJ",
         ];
@@ -374,8 +374,8 @@ impl fmt::Display for WorldComparison {
             }
         }
         let marks = format!(
-            "{LEAST} least E, {BROKEN} refused samples or ran away. Best of N: the scene has no setting, so N were \
-             tried and the one of the least E was taken, with knowledge of the ideal."
+            "{LEAST} least E, {BROKEN} refused samples or diverged. Best of N: the scene has no setting; of N tried \
+             settings, the one with the least E was selected, with knowledge of the ideal."
         );
         writeln!(f, "\n{}", wrapped(&marks))?;
         writeln!(f, "{}", legend(&[E, FRE]))?;

@@ -353,8 +353,7 @@ fn of_refusal(refusal: &Refusal, of_devices: &[OfDevice<'_>]) -> RefusalReport {
         .as_ref()
         .map_or_else(String::new, |name| format!("\"{name}\": "));
     let reason = if refusal.too_fast {
-        "a contact or joint is too stiff or too damped for its masses at this period: its computed motion would have \
-         grown"
+        "a contact or joint is too stiff or too damped for its masses at this period: its computed motion would diverge"
             .into()
     } else {
         format!("{of_whom}{fault}")

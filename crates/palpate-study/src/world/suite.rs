@@ -77,12 +77,12 @@ impl WorldSet {
     fn drawn(self) -> &'static str {
         match self {
             Self::Hand => {
-                "a sphere tool in a hand of 60 or 300 N/m with tremor, unequal masses along the axes, told 1.5 or \
-                 0.67 times"
+                "a sphere tool in a hand of 60 or 300 N/m with tremor, unequal masses along the axes, model mass 1.5 \
+                 or 0.67 times the true one"
             }
             Self::Free => {
-                "a sphere tool that a constant force pushes, without a hand, unequal masses along the axes, told 1.5 \
-                 times"
+                "a sphere tool that a constant force pushes, without a hand, unequal masses along the axes, model \
+                 mass 1.5 times the true one"
             }
         }
     }
@@ -345,8 +345,8 @@ impl fmt::Display for WorldSuiteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let set = WorldSet::ALL.into_iter().find(|set| set.name() == self.set);
         let drawn = format!(
-            "{} for each period, {}: {}. A loop is its period, its delay in samples, which every renderer is \
-             told, and the quantum of its sensors. E in percent, median / 90 % / largest{}",
+            "{} for each period, {}: {}. A loop is its period, its delay in samples, which every renderer models, and \
+             the quantum of its sensors. E in percent, median / 90 % / largest{}",
             counted(self.worlds, "random world"),
             match self.seeds {
                 None => format!("seed {}", self.seed),
@@ -395,8 +395,8 @@ impl fmt::Display for WorldSuiteReport {
                 .filter_map(|method| Some((method.name, method.none_found.filter(|n| *n > 0)?)));
             for (name, count) in missing {
                 let line = format!(
-                    "{}: no setting found for the {name} in {} of {}: none has an E below that of no force, {NO_FORCE_PERCENT} %; \
-                     the least counts.",
+                    "{}: no setting found for the {name} in {} of {}: none has an E below that of zero force, \
+                     {NO_FORCE_PERCENT} %; the least E counts.",
                     one.in_short(),
                     count,
                     counted(self.worlds * self.seeds.unwrap_or(1), "world"),
@@ -404,11 +404,11 @@ impl fmt::Display for WorldSuiteReport {
                 writeln!(f, "{}", wrapped(&line))?;
             }
         }
-        let best = "Best: with the setting of the least E of each world, of 15 to 24 and, where none of them has an E \
-                    below 100 %, softer couplings, found with knowledge of its ideal.";
+        let best = "Best: with the setting of the least E of each world, of 15 to 24 and, if none of them has an E \
+                    below 100 %, softer couplings, selected with knowledge of its ideal.";
         writeln!(f, "{}", legend(&[E, best]))?;
         if self.seeds.is_none() {
-            let one = "These are the worlds of one seed; --seeds 7 shows how the numbers vary from seed to seed.";
+            let one = "These are the worlds of one seed; --seeds 7 shows how the results vary from seed to seed.";
             writeln!(f, "\n{}", wrapped(one))?;
         }
         Ok(())

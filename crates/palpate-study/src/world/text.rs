@@ -11,7 +11,8 @@ use crate::text::{
 };
 
 /// Explanation of the leak column.
-const LEAK: &str = "Leak: energy that held forces created: what hands, bodies, contacts and dissipation have gained together.";
+const LEAK: &str = "Leak: energy that held forces created: the sum of the gains of hands, bodies, contacts and \
+                    dissipation.";
 
 impl fmt::Display for WorldReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -38,7 +39,7 @@ impl fmt::Display for WorldReport {
             writeln!(f, "{}", wrapped(&line))?;
         }
         if !self.left_out.is_empty() {
-            let line = "`palpate compare` with the world tries settings of its own for them.";
+            let line = "`palpate compare` with the world searches settings for them.";
             writeln!(f, "{line}")?;
         }
         for line in self.remarks() {
@@ -67,7 +68,7 @@ impl WorldReport {
             )
         });
         let agrees = self.ideal_error_percent.map_or_else(String::new, |error| {
-            format!(", and agrees with itself to {} %", digits(error))
+            format!(", and is converged to {} %", digits(error))
         });
         format!(
             "period {} s{delay}{lag}; {} over {} s; the ideal has {} and penetration up to {} m{agrees}{shortened}",
@@ -80,7 +81,7 @@ impl WorldReport {
     }
 
     fn method_table(&self) -> Table {
-        let header = ["method", "E %", "FRE %", "FRE/floor", "leak mJ", "limited"];
+        let header = ["method", "E %", "FRE %", "FRE/bound", "leak mJ", "limited"];
         let limited = self.methods.iter().any(|method| method.limited_samples > 0);
         let header = &header[..header.len() - usize::from(!limited)];
         let mut table = plain_table(CellAlignment::Left, header);
@@ -163,8 +164,8 @@ impl WorldReport {
         let mut decided = Vec::new();
         if let Some(part) = it.quantum_over_force.filter(|it| *it > Decisive::SENSOR) {
             decided.push(format!(
-                "\"{}\": a quantum of its sensor is {} N in its stiffest contact, {} % of the ideal's force (rms). Above {} % the \
-                 sensor decides about E.",
+                "\"{}\": a quantum of its sensor is {} N in its stiffest contact, {} % of the ideal's force (rms). \
+                 Above {} % the sensor dominates E.",
                 it.name,
                 short(it.quantum_force_n, 3),
                 short(100.0 * part, 0),
@@ -173,8 +174,8 @@ impl WorldReport {
         }
         if self.delay_s > 0.0 && it.hand_over_mass > Decisive::HAND {
             decided.push(format!(
-                "\"{}\": the hand's stiffness k and the mass m have k T^2/m {}. Above {}, and with a delay, the hand decides \
-                 about E.",
+                "\"{}\": the hand's stiffness k and the mass m have k T^2/m {}. Above {}, and with a delay, the hand \
+                 dominates E.",
                 it.name,
                 short(it.hand_over_mass, 2),
                 Decisive::HAND,
@@ -186,7 +187,9 @@ impl WorldReport {
     /// Returns remarks on facts that the tables do not show.
     fn remarks(&self) -> Vec<String> {
         let overlap = |[one, other]: &[String; 2]| {
-            format!("\"{one}\" and \"{other}\" overlap at the start; their contact begins so.")
+            format!(
+                "\"{one}\" and \"{other}\" overlap at the start; their contact begins with that penetration."
+            )
         };
         let mut remarks: Vec<_> = self.overlapping_at_start.iter().map(overlap).collect();
         let devices = self
@@ -230,8 +233,9 @@ impl WorldReport {
                     count => format!(", and {count} times in all"),
                 };
                 remarks.push(format!(
-                    "{}: \"{}\" went through \"{}\" and came out of its far side at {} s{more}. E does not show it where the ideal \
-                     does the same: a thicker or stiffer solid, or a hull or mesh, which follow their surface, keep it out.",
+                    "{}: \"{}\" went through \"{}\" and left its far side at {} s{more}. E does not show it if the \
+                     ideal does the same. A thicker or stiffer solid, or a hull or mesh, which follow their surface, \
+                     prevents it.",
                     method.method,
                     through.first,
                     through.second,
@@ -241,22 +245,22 @@ impl WorldReport {
             let error = method.sum.map(|sum| sum.mean_force_error_percent);
             if method.too_fast_samples > 0 && method.method == "coupled" && error >= Some(1.0) {
                 remarks.push(format!(
-                    "{}: at {} a contact or joint swings within a few periods; small errors of a motion are large ones of its \
-                     force there.",
+                    "{}: at {} a contact or joint swings within a few periods; a small motion error is a large force \
+                     error there.",
                     method.method,
                     counted(method.too_fast_samples, "sample")
                 ));
             }
             if method.coarse_samples > 0 {
                 remarks.push(format!(
-                    "{}: at {} contacts changed their mode more often than the renderer follows at its finest.",
+                    "{}: at {} contacts changed their mode more often than the finest step of the renderer resolves.",
                     method.method,
                     counted(method.coarse_samples, "sample")
                 ));
             }
             if method.crowded_samples > 0 {
                 remarks.push(format!(
-                    "{}: at {} more triangles, or points of a shell, were near than the renderer has room for; it left out the \
+                    "{}: at {} more triangles or shell points were near than the renderer can hold; it ignored the \
                      furthest.",
                     method.method,
                     counted(method.crowded_samples, "sample")

@@ -102,7 +102,7 @@ pub fn search(
     tunable: Tunable,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Tuned>, WorldBenchError> {
-    let scale = Scale::of(scene);
+    let scale = Scale::new(scene);
     let mut tuned = tune(scene, bench, tunable, &tunable.candidates(scale), &done)?;
     if !tuned.iter().any(Tuned::is_usable) {
         tuned.extend(tune(scene, bench, tunable, &tunable.softer(scale), &done)?);
@@ -170,7 +170,7 @@ pub struct WorldPointReport {
 }
 
 impl WorldPointReport {
-    pub(super) fn of(tuned: &Tuned) -> Self {
+    pub(super) fn new(tuned: &Tuned) -> Self {
         let sum = tuned.run.evaluation.sum.as_ref();
         Self {
             settings: (&tuned.settings).into(),
@@ -203,8 +203,8 @@ impl WorldTuneReport {
             hold_bound_percent: sum.map(|sum| sum.hold_bound),
             ideal_error_percent: bench.self_check().map(|check| check.error),
             found: best.is_usable(),
-            best: WorldPointReport::of(best),
-            curve: tuned.iter().map(WorldPointReport::of).collect(),
+            best: WorldPointReport::new(best),
+            curve: tuned.iter().map(WorldPointReport::new).collect(),
             files: Vec::new(),
         })
     }
@@ -276,7 +276,7 @@ impl fmt::Display for WorldTuneReport {
         writeln!(f, "{}\n", whole(&table))?;
         if self.best.refused_samples > 0 {
             let words = format!(
-                "With every setting the renderer refuses samples, the best one {}: it asks for no force there.",
+                "The renderer refuses samples with every setting, with the best one {}; its force is 0 there.",
                 counted(self.best.refused_samples as u64, "sample")
             );
             writeln!(f, "{}", wrapped(&words))?;
@@ -293,7 +293,7 @@ impl fmt::Display for WorldTuneReport {
             }
         };
         let best = format!(
-            "Best: of the least {}, found with knowledge of the ideal, on this scene as it is.{end} In [render] of the scene:",
+            "Best: least {}, selected with knowledge of the ideal, on this scene only.{end} In [render] of the scene:",
             self.least
         );
         writeln!(f, "{}", wrapped(&best))?;
@@ -318,14 +318,15 @@ impl WorldTuneReport {
 pub(super) fn none_found(count: usize, best: &WorldPointReport) -> String {
     let least = match (best.refused_samples, best.mean_force_error_percent) {
         (0, Some(error)) => format!("the least E is {} %", percent(error)),
-        (0, None) => "every one ran away".into(),
+        (0, None) => "all diverged".into(),
         (refused, _) => format!(
-            "the renderer refuses samples with every one, at least {}",
+            "the renderer refuses samples with every setting, at least {}",
             counted(refused, "sample")
         ),
     };
     format!(
-        "no setting found: of {count} that were tried none comes nearer to the ideal than no force, E {NO_FORCE_PERCENT} %; {least}, with {}",
+        "no setting found: none of the {count} tried is nearer to the ideal than zero force, E {NO_FORCE_PERCENT} %; \
+         {least}, with {}",
         best.settings.in_short()
     )
 }

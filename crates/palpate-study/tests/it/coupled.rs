@@ -32,7 +32,7 @@ fn told_half_as_much_again_it_is_as_near_from_every_height() {
     for (name, most) in PAPER_SCENES.into_iter().zip([0.1, 0.2, 0.7]) {
         let mut scene = scene(name);
         scene.model_device_mass = Some(1.5 * scene.device.mass());
-        let found = over_heights(&scene, &[Column::of(MethodName::Coupled)], || ()).unwrap();
+        let found = over_heights(&scene, &[Column::new(MethodName::Coupled)], || ()).unwrap();
         println!("{name}: {found:?}");
         let worst = found[0].error.worst;
         assert!(worst < most, "{name}: {worst}");
@@ -105,7 +105,7 @@ fn a_stiff_light_object_rebounds_as_it_should_though_the_encoder_is_coarse() {
         ("coupled/stiff-40-hand", 8.0, 20.0),
         ("coupled/stiff-160-hand", 18.0, 40.0),
     ] {
-        let found = over_heights(&scene(name), &[Column::of(MethodName::Coupled)], || ()).unwrap();
+        let found = over_heights(&scene(name), &[Column::new(MethodName::Coupled)], || ()).unwrap();
         let ratio = found[0].own.error_over_bound.unwrap();
         let error = found[0].error;
         println!("{name}: FRE/floor {ratio:.3}, {error:?}");
@@ -163,10 +163,10 @@ fn on_random_plants_each_step_takes_it_nearer() {
         settings: Settings::default()
             .with(SettingKey::PLACEMENT, placement)
             .with(SettingKey::CORRECTION, correction),
-        ..Column::of(MethodName::Coupled)
+        ..Column::new(MethodName::Coupled)
     };
     let columns = [
-        Column::of(MethodName::Hfcr),
+        Column::new(MethodName::Hfcr),
         step(false, false),
         step(true, false),
         step(true, true),

@@ -14,8 +14,8 @@ fn plants(set: Set, count: usize) -> Vec<RandomPlant> {
 
 fn evaluated(set: Set, plants: usize) -> Vec<Evaluated> {
     let columns = [
-        Column::of(MethodName::Coupled),
-        Column::of(MethodName::Hfcr),
+        Column::new(MethodName::Coupled),
+        Column::new(MethodName::Hfcr),
     ];
     run(set, 2, plants, &columns, || ()).unwrap()
 }
@@ -204,14 +204,14 @@ fn in_steps_mass_and_friction_matter_little_and_time_much() {
     }
     assert!(median("a perfect loop") < 1.0);
     assert!(median("friction 30 % of the user's force") < 2.0);
-    assert!(median("delay .3 T, untold") > 20.0);
-    assert!(median("delay .3 T, told .3 T") < 0.1 * median("delay .3 T, untold"));
-    assert!(median("lag .3 ms + delay .5 T, both told") < 2.0);
+    assert!(median("delay .3 T, unmodelled") > 20.0);
+    assert!(median("delay .3 T, modelled") < 0.1 * median("delay .3 T, unmodelled"));
+    assert!(median("lag .3 ms + delay .5 T, both modelled") < 2.0);
     // The 75 % quantile; the largest value of so few plants may not improve.
     let most = |words: &str| errors(words)[1];
-    assert!(most("sensor noise 5 um, told") < 0.8 * most("sensor noise 5 um, untold"));
-    let mismatched = median("the same, the delay told .02 T wrong");
-    assert!(mismatched > median("lag .3 ms + delay .5 T, both told") && mismatched < 15.0);
+    assert!(most("sensor noise 5 um, modelled") < 0.8 * most("sensor noise 5 um, unmodelled"));
+    let mismatched = median("the same, delay mismatched by .02 T");
+    assert!(mismatched > median("lag .3 ms + delay .5 T, both modelled") && mismatched < 15.0);
 }
 
 #[test]

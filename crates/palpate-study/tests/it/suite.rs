@@ -23,7 +23,7 @@ fn plants(seed: u64, count: usize) -> Vec<RandomPlant> {
 }
 
 fn all() -> Vec<Column> {
-    MethodName::ALL.map(Column::of).to_vec()
+    MethodName::ALL.map(Column::new).to_vec()
 }
 
 /// Returns the bits of the evaluation results.
@@ -264,7 +264,7 @@ fn a_trial_is_what_a_single_run_of_the_scene_gives() {
 
 #[test]
 fn the_report_of_parts_is_that_of_the_whole() {
-    let columns = [MethodName::Basic, MethodName::Hfcr].map(Column::of);
+    let columns = [MethodName::Basic, MethodName::Hfcr].map(Column::new);
     for set in [Set::Paper, Set::Desk] {
         let whole = SuiteReport::new(set, 4, &columns, &run(set, 4, 7, &columns, || ()).unwrap());
         let parts = [0..2, 2..3, 3..7].map(|part| run_part(set, 4, part, &columns, || ()).unwrap());
@@ -282,7 +282,7 @@ fn the_report_of_parts_is_that_of_the_whole() {
 fn hfcr_gives_the_column_that_calibrates_the_suite() {
     // Other random sets of 60 plants, and another integration of their ideal: median 72-78, 75 %
     // 106-109, 90 % 130-138 without delay; 101-112, 139-146, 162-164 with one sample.
-    let columns = [Column::of(MethodName::Hfcr)];
+    let columns = [Column::new(MethodName::Hfcr)];
     let evaluated = run(Set::Paper, 1, 180, &columns, || ()).unwrap();
     let found = DELAYS.map(|delay| summary(&evaluated, 0, delay).unwrap());
     println!("{found:?}");
@@ -326,11 +326,11 @@ method = \"hfcr\"
     );
     for (text, message) in [
         ("", "there is no column"),
-        ("a = 1", "column a: a column is a table"),
+        ("a = 1", "column a: a column must be a table"),
         ("[a]", "column a: it needs a method"),
         (
             "[a]\nmethod = 1",
-            "column a: its method is a name in quotes",
+            "column a: its method must be a name in quotes",
         ),
         ("[a]\nmethod = \"hfrc\"", "did you mean \"hfcr\"?"),
         (
@@ -348,15 +348,15 @@ method = \"hfcr\"
         ),
         (
             "[a]\nmethod = \"hfcr\"\ndamping_over_k_t = []",
-            "damping_over_k_t is one number or a list of them, finite and not below 0",
+            "damping_over_k_t must be a number or a list of numbers, finite and not below 0",
         ),
         (
             "[a]\nmethod = \"hfcr\"\ndamping_n_s_per_m = [1, -2]",
-            "damping_n_s_per_m is one number or a list of them, finite and not below 0",
+            "damping_n_s_per_m must be a number or a list of numbers, finite and not below 0",
         ),
         (
             "[a]\nmethod = \"hfcr\"\ndamping_n_s_per_m = 1\ndamping_over_k_t = 1",
-            "damping_n_s_per_m and damping_over_k_t are both its damping; one of them is needed",
+            "damping_n_s_per_m and damping_over_k_t both set its damping; keep one of them",
         ),
         (
             "[a]\nmethod = \"hfcr\"\nguard = { mod = \"limit\" }",
@@ -405,7 +405,7 @@ fn of_a_list_of_dampings_the_best_on_each_plant_counts() {
     // A single ratio is an ordinary setting.
     let plain = Column {
         settings: crate::common::damping(evaluated[0].trials[1].damping.unwrap()),
-        ..Column::of(MethodName::VirtualDamper)
+        ..Column::new(MethodName::VirtualDamper)
     };
     let same = run(Set::Paper, 1, 1, &[plain], || ()).unwrap();
     assert_eq!(same[0].trials[0].fidelity, evaluated[0].trials[1].fidelity);
@@ -477,7 +477,7 @@ fn a_column_that_cannot_be_run_is_named() {
     let column = Column {
         name: "wrong".into(),
         settings: crate::common::damping(-1.0),
-        ..Column::of(MethodName::Hfcr)
+        ..Column::new(MethodName::Hfcr)
     };
     let error = run(Set::Paper, 1, 1, &[column], || ())
         .unwrap_err()
@@ -517,7 +517,7 @@ fn over_the_start_heights_hfcr_has_its_known_spread() {
     ] {
         let mut scene = scene(name);
         scene.model_device_mass = Some(1.5 * scene.device.mass());
-        let columns = [Column::of(MethodName::HfcrModSt)];
+        let columns = [Column::new(MethodName::HfcrModSt)];
         let found = over_heights(&scene, &columns, || ()).unwrap()[0];
         println!("{name}: {found:?}");
         assert_eq!(

@@ -56,7 +56,7 @@ impl EnergyEvaluation {
     /// # Errors
     ///
     /// `record` does not have one entry more than `profile` has intervals.
-    pub fn of(
+    pub fn new(
         ideal: &Ideal,
         profile: &ForceProfile,
         record: &[Snapshot],

@@ -35,7 +35,7 @@ pub struct Fidelity {
 
 impl Fidelity {
     /// `None` if the ideal force is 0 throughout. The lengths have been compared by the caller.
-    pub(super) fn of(held: &[f64], profile: &ForceProfile) -> Option<Self> {
+    pub(super) fn new(held: &[f64], profile: &ForceProfile) -> Option<Self> {
         let mut meter = FidelityMeter::new(profile);
         for force in held {
             meter.hold(*force);

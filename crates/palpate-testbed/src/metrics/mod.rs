@@ -24,7 +24,7 @@ use crate::profile::ForceProfile;
 
 /// A record that does not have the length its window asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("the record has {given} entries, its window asks for {expected}")]
+#[error("the record has {given} entries, but its window has {expected}")]
 pub struct WindowMismatch {
     /// Entries given.
     pub given: usize,
@@ -62,11 +62,11 @@ impl ForceEvaluation {
     /// # Errors
     ///
     /// `held` does not have one force for each interval of `profile`.
-    pub fn of(held: &[f64], profile: &ForceProfile) -> Result<Self, WindowMismatch> {
+    pub fn new(held: &[f64], profile: &ForceProfile) -> Result<Self, WindowMismatch> {
         WindowMismatch::unless_equal(held.len(), profile.intervals())?;
         let runs = collisions::separated(held, profile.grid());
         Ok(Self {
-            fidelity: Fidelity::of(held, profile),
+            fidelity: Fidelity::new(held, profile),
             collisions: collisions::evaluated(held, &runs, profile),
             rendered_collisions: runs.len(),
             peak_force: held.iter().fold(0.0, |peak, force| {

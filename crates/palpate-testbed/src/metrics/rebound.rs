@@ -26,12 +26,12 @@ pub struct ReboundSpeed {
 
 impl ReboundSpeed {
     /// The rebound after each ideal collision that ends within the window, from the record of a
-    /// perfect closed loop as for [`EnergyEvaluation`](crate::metrics::EnergyEvaluation::of).
+    /// perfect closed loop as for [`EnergyEvaluation`](crate::metrics::EnergyEvaluation::new).
     ///
     /// # Errors
     ///
     /// `record` does not have one entry more than `profile` has intervals.
-    pub fn of(profile: &ForceProfile, record: &[Snapshot]) -> Result<Vec<Self>, WindowMismatch> {
+    pub fn new(profile: &ForceProfile, record: &[Snapshot]) -> Result<Vec<Self>, WindowMismatch> {
         let window = profile.intervals();
         WindowMismatch::unless_equal(record.len(), window + 1)?;
         let held: Vec<f64> = record[..window]

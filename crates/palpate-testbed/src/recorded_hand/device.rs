@@ -41,7 +41,7 @@ enum Departure {
 }
 
 impl Departure {
-    fn of(hand: &RecordedHand) -> Result<Self, InvalidParameter> {
+    fn new(hand: &RecordedHand) -> Result<Self, InvalidParameter> {
         let model = hand.model();
         if model.stiffness == 0.0 && model.damping == 0.0 {
             return PointMass::new(model.device_mass, 0.0).map(Self::Free);
@@ -69,7 +69,7 @@ impl HeldByRecording {
     /// The device at the start of the recording; `sign` mirrors it to the canonical side.
     pub fn new(hand: Arc<RecordedHand>, sign: f64) -> Result<Self, InvalidParameter> {
         Ok(Self {
-            departure: Departure::of(&hand)?,
+            departure: Departure::new(&hand)?,
             hand,
             sign,
             piece: 0,

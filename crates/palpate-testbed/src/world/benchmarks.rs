@@ -147,7 +147,7 @@ pub fn pushed_block() -> Benchmark {
                 WorldBody {
                     name: "block".into(),
                     position: [0.0, 0.0, 0.01 - weight / 8000.0],
-                    motion: Some(FreeMotion::of(&shape, 0.05).pulled_by([0.0, 0.0, -weight])),
+                    motion: Some(FreeMotion::new(&shape, 0.05).pulled_by([0.0, 0.0, -weight])),
                     ..fixed(shape)
                 },
                 table(),
@@ -184,7 +184,7 @@ pub fn paddle() -> Benchmark {
             bodies: vec![WorldBody {
                 name: "ball".into(),
                 position: [0.002, -0.001, 0.075],
-                motion: Some(FreeMotion::of(&shape, 0.1).pulled_by([0.0, 0.0, -weight])),
+                motion: Some(FreeMotion::new(&shape, 0.1).pulled_by([0.0, 0.0, -weight])),
                 ..fixed(shape)
             }],
             pairs: vec![pair(Member::Device(0), Member::Body(0), law)],
@@ -225,7 +225,7 @@ pub fn pinch() -> Benchmark {
                 WorldBody {
                     name: "cube".into(),
                     position: [0.0, 0.0, 0.015 - weight / 8000.0],
-                    motion: Some(FreeMotion::of(&shape, 0.05).pulled_by([0.0, 0.0, -weight])),
+                    motion: Some(FreeMotion::new(&shape, 0.05).pulled_by([0.0, 0.0, -weight])),
                     ..fixed(shape)
                 },
                 table(),
@@ -252,7 +252,7 @@ pub fn row() -> Benchmark {
     let ball = |number: usize, y: f64, z: f64| WorldBody {
         name: format!("ball-{}", number + 1),
         position: [0.041 * number as f64, y, z],
-        motion: Some(FreeMotion::of(&shape, 0.05)),
+        motion: Some(FreeMotion::new(&shape, 0.05)),
         ..fixed(shape.clone())
     };
     let mut tool = device("tool", [-0.04, 0.0, 0.0], 0.01);

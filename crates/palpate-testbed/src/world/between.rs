@@ -134,7 +134,7 @@ struct Crossing {
 }
 
 impl Crossing {
-    fn of(first: u8, second: u8, pair: &Pair, placed: [&Placed; 2]) -> Self {
+    fn new(first: u8, second: u8, pair: &Pair, placed: [&Placed; 2]) -> Self {
         let edges = [usize::from(first), usize::from(second)];
         let out = |side: usize, v: Vec3| placed[side].rotation.out(v);
         let along = [0, 1].map(|side| out(side, pair.0[side].along(edges[side])));
@@ -242,7 +242,7 @@ impl Between {
                 }
             }
             Self::Edges { first, second } => {
-                let touch = Crossing::of(first, second, pair, placed).touch(placed);
+                let touch = Crossing::new(first, second, pair, placed).touch(placed);
                 if number < pair.share() {
                     touch
                 } else {
@@ -363,7 +363,7 @@ impl<'a> Lying<'a> {
                 if !self.is_between(edges) {
                     return f64::INFINITY;
                 }
-                Crossing::of(first, second, self.pair, self.placed).overlap()
+                Crossing::new(first, second, self.pair, self.placed).overlap()
             }
         }
     }

@@ -26,9 +26,10 @@ pub enum WorldError {
     Parameter(#[from] InvalidScene),
     /// A pair of shapes for which there is no contact yet.
     #[error(
-        "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder, mesh or hull, \
-         and a box, a capsule, a cylinder, and a hull or mesh of at most {MAX_CORNERS} convex corners a half-space, a box or hull a box or \
-         hull, a capsule a box, hull, capsule or cylinder, a cylinder a box, hull or cylinder, and a mesh by its points a box, capsule, cylinder or mesh with a field"
+        "pairs[{number}]: {reason}; allowed pairs: a sphere with a sphere, half-space, box, capsule, cylinder, mesh or \
+         hull; a half-space with a box, capsule, cylinder, or hull or mesh of at most {MAX_CORNERS} convex corners; a \
+         box or hull with a box or hull; a capsule with a box, hull, capsule or cylinder; a cylinder with a box, hull \
+         or cylinder; the points of a mesh with a box, capsule, cylinder, or mesh with a distance grid"
     )]
     Pair {
         /// Number of the pair, from 0.
@@ -46,7 +47,7 @@ pub enum WorldError {
     },
     /// A motion that is another one with each length of step, see [`CheckedIdeal`](super::CheckedIdeal).
     #[error(
-        "the motion depends on the steps it is computed by from {time} s on; there is nothing to judge by"
+        "the motion depends on the integration step from {time} s on; there is no reference solution"
     )]
     Chaotic {
         /// Start of the dependence `[s]`.

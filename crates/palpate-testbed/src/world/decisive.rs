@@ -29,7 +29,7 @@ impl Decisive {
     ///
     /// `ideal` does not belong to `scene` and has fewer devices.
     #[must_use]
-    pub fn of(scene: &WorldScene, ideal: &WorldIdeal) -> Vec<Self> {
+    pub fn new(scene: &WorldScene, ideal: &WorldIdeal) -> Vec<Self> {
         let period = ideal.grid.period();
         let of_device = |(number, device): (usize, &super::scene::WorldDevice)| {
             let touches = ideal
@@ -111,7 +111,7 @@ mod tests {
         scene.devices[0].hand.stiffness = 10.0;
         scene.devices[0].hand.rest = scene.devices[0].position;
         let ideal = WorldIdeal::new(&scene, Grid::even(0.0, 0.01, 10)).unwrap();
-        let [of] = Decisive::of(&scene, &ideal)[..] else {
+        let [of] = Decisive::new(&scene, &ideal)[..] else {
             panic!("one device");
         };
         assert!((of.quantum_force - 0.02).abs() < 1e-15);
@@ -123,12 +123,12 @@ mod tests {
     fn the_largest_quantum_counts_and_no_touch_is_none() {
         let scene = pressed([3e-5, 0.0, 1e-5]);
         let ideal = WorldIdeal::new(&scene, Grid::even(0.0, 0.01, 10)).unwrap();
-        let of = Decisive::of(&scene, &ideal)[0];
+        let of = Decisive::new(&scene, &ideal)[0];
         assert!((of.quantum_force - 0.06).abs() < 1e-15);
         let mut apart = scene;
         apart.devices[0].position = [0.0, 0.0, 10.0];
         let ideal = WorldIdeal::new(&apart, Grid::even(0.0, 0.01, 10)).unwrap();
-        let of = Decisive::of(&apart, &ideal)[0];
+        let of = Decisive::new(&apart, &ideal)[0];
         assert_eq!((of.quantum_force, of.quantum_over_force), (0.0, None));
     }
 }

@@ -100,7 +100,7 @@ pub struct RenderedTouch {
 #[non_exhaustive]
 pub enum EvaluationError {
     /// Not one record of forces for each device.
-    #[error("there are forces of {given} devices, and the ideal has {expected}")]
+    #[error("the record has forces of {given} devices, but the ideal has {expected}")]
     Devices {
         /// Records given.
         given: usize,
@@ -127,7 +127,7 @@ impl WorldEvaluation {
     /// # Panics
     ///
     /// `ideal` does not belong to `scene` and has more devices.
-    pub fn of(
+    pub fn new(
         scene: &WorldScene,
         ideal: &WorldIdeal,
         held: &[Vec<Vector>],
@@ -140,7 +140,7 @@ impl WorldEvaluation {
     ///
     /// # Errors
     ///
-    /// Those of [`of`](Self::of).
+    /// Those of [`of`](Self::new).
     ///
     /// # Panics
     ///
@@ -168,7 +168,7 @@ impl WorldEvaluation {
             )?;
             let device = &scene.devices[number];
             let torques = torques.get(number).map_or(&[][..], Vec::as_slice);
-            devices.push(DeviceEvaluation::of(
+            devices.push(DeviceEvaluation::new(
                 &ideal.grid,
                 device,
                 profile,
@@ -184,7 +184,7 @@ impl WorldEvaluation {
 }
 
 impl DeviceEvaluation {
-    fn of(
+    fn new(
         grid: &Grid,
         device: &WorldDevice,
         profile: &DeviceProfile,

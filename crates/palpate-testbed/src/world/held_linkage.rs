@@ -39,11 +39,11 @@ impl HeldLinkage {
     }
 
     pub fn position(&self) -> Vec3 {
-        Vec3::of(&self.state)
+        Vec3::new(&self.state)
     }
 
     pub fn velocity(&self) -> Vec3 {
-        Vec3::of(&self.state[3..])
+        Vec3::new(&self.state[3..])
     }
 
     /// Advances under a commanded force on the tool. Returns the delivered impulse along the device's axes.
@@ -71,7 +71,7 @@ impl HeldLinkage {
             let start = self.state;
             self.step
                 .take(done, &start, length, false, |time, state, rates| {
-                    let (position, velocity) = (Vec3::of(state), Vec3::of(&state[3..]));
+                    let (position, velocity) = (Vec3::new(state), Vec3::new(&state[3..]));
                     let push = aim
                         + excess * left(time)
                         + hand_force_at(device, begin + time, position, velocity);

@@ -62,8 +62,8 @@ impl HeldTurning {
             return Err(InvalidParameter {
                 name: "turning",
                 value: rate,
-                allowed: "at most 32000 rad/s: the damping of the hand over the least moment of inertia, and 2.2 times the \
-                          root of its stiffness over that; a larger inertia or a softer hand",
+                allowed: "at most 32000 rad/s: hand.damping / I + 2.2 sqrt(hand.stiffness / I), with the least moment \
+                          of inertia I; increase the inertia or soften the hand",
             });
         }
         Actuator::new(actuator)?;
@@ -128,7 +128,7 @@ impl HeldTurning {
     #[must_use]
     pub fn angular_velocity(&self) -> Vector {
         let rotation = Rotation::of_quaternion(self.orientation());
-        let momentum = Vec3::of(&self.state[4..]);
+        let momentum = Vec3::new(&self.state[4..]);
         self.turning.angular_velocity(&rotation, momentum).0
     }
 
@@ -156,7 +156,7 @@ impl HeldTurning {
                 .take(done, &start, length, false, |time, state, rates| {
                     let q = [state[0], state[1], state[2], state[3]];
                     let rotation = Rotation::of_quaternion(q);
-                    let omega = turning.angular_velocity(&rotation, Vec3::of(&state[4..]));
+                    let omega = turning.angular_velocity(&rotation, Vec3::new(&state[4..]));
                     let by_hand = turning.hand_torque(begin + time, q, omega);
                     rates[..4].copy_from_slice(&quaternion_rate(q, omega));
                     (aim + excess * left(time) + by_hand).write(&mut rates[4..]);

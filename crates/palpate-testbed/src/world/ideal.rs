@@ -109,7 +109,7 @@ impl WorldIdeal {
             grid.start() == 0.0,
             "grid.start".to_owned(),
             grid.start(),
-            "0 s, where the scene begins",
+            "0 s, the start of the scene",
         )?;
         let mut run = Run::new(&system, tolerance);
         let mut devices = vec![DeviceProfile::default(); scene.devices.len()];
@@ -122,14 +122,14 @@ impl WorldIdeal {
             }
             for (number, profile) in devices.iter_mut().enumerate() {
                 let sums = system.layout.device_sums(number);
-                profile.impulses.push(Vec3::of(&run.state[sums..]).0);
-                profile.squares.push(Vec3::of(&run.state[sums + 3..]).0);
+                profile.impulses.push(Vec3::new(&run.state[sums..]).0);
+                profile.squares.push(Vec3::new(&run.state[sums + 3..]).0);
                 profile.peaks.push(run.peaks[number]);
                 // Restart the sums at 0 to avoid differences of large numbers.
                 run.state[sums..sums + 6].fill(0.0);
                 if scene.devices[number].turning.is_some() {
                     let sums = system.layout.torque_sums(number);
-                    let of = |from: usize| Vec3::of(&run.state[from..]).0;
+                    let of = |from: usize| Vec3::new(&run.state[from..]).0;
                     profile.torque_impulses.push(of(sums));
                     profile.torque_squares.push(of(sums + 3));
                     run.state[sums..sums + 6].fill(0.0);

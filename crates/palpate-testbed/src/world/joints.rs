@@ -56,7 +56,7 @@ impl WorldJoint {
                 number < bodies && self.against != Some(self.body),
                 format!("{name}.between"),
                 number as f64,
-                "the numbers of two bodies of the scene, from 0, or of one",
+                "the index of one body of the scene, from 0, or those of two different bodies",
             )?;
         }
         all_finite(&format!("{name}.point"), &self.point)?;

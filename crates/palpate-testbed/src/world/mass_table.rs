@@ -52,7 +52,7 @@ impl MassTable {
             all_finite("mass_table.places", along)?;
             let increases = !along.is_empty() && along.windows(2).all(|pair| pair[0] < pair[1]);
             let first = along.first().copied().unwrap_or(f64::NAN);
-            let allowed = "at least one place along each axis, and each after the one before";
+            let allowed = "at least one place along each axis, in increasing order";
             InvalidParameter::unless(increases, "mass_table.places".to_owned(), first, allowed)?;
         }
         let count = places.iter().map(Vec::len).product::<usize>();
@@ -85,7 +85,7 @@ impl MassTable {
     }
 
     fn at(&self, place: Vector) -> Local {
-        let along: [Along; 3] = from_fn(|axis| Along::of(&self.places[axis], place[axis]));
+        let along: [Along; 3] = from_fn(|axis| Along::new(&self.places[axis], place[axis]));
         let counts = self.places.each_ref().map(|places| controls_along(places));
         let mut sums = [[0.0; 6]; 4];
         for (i, (wx, dx)) in along[0].weights() {
@@ -221,7 +221,7 @@ struct Along {
 }
 
 impl Along {
-    fn of(places: &[f64], at: f64) -> Self {
+    fn new(places: &[f64], at: f64) -> Self {
         if places.len() == 1 {
             return Self {
                 first: 0,

@@ -31,7 +31,7 @@
 //!     plant.hold(&[[0.0; 3]]);
 //! }
 //! let held = [plant.delivered(0)];
-//! let evaluation = WorldEvaluation::of(&benchmark.scene, &ideal, &held)?;
+//! let evaluation = WorldEvaluation::new(&benchmark.scene, &ideal, &held)?;
 //! let sum = evaluation.sum.ok_or("no touch")?;
 //! assert_eq!(format!("{:.1} %", sum.force_rendering_error), "100.0 %");
 //! assert_eq!(format!("{:.1} %", sum.hold_bound), "6.5 %");

@@ -215,11 +215,11 @@ impl System {
         let devices = self.devices.len();
         for (device, placed) in placed[..devices].iter_mut().enumerate() {
             let place = self.layout.device(device);
-            placed.position = Vec3::of(&state[place..]);
-            placed.velocity = Vec3::of(&state[place + 3..]);
+            placed.position = Vec3::new(&state[place..]);
+            placed.velocity = Vec3::new(&state[place + 3..]);
             if let Some(turning) = &self.devices[device].turning {
                 placed.rotation = Rotation::of_quaternion(quaternion(&state[place + 6..]));
-                let momentum = Vec3::of(&state[place + 10..]);
+                let momentum = Vec3::new(&state[place + 10..]);
                 placed.turning = turning.angular_velocity(&placed.rotation, momentum);
             }
         }
@@ -228,10 +228,10 @@ impl System {
                 continue;
             };
             let place = self.layout.body(*free);
-            placed.position = Vec3::of(&state[place..]);
-            placed.velocity = Vec3::of(&state[place + 3..]);
+            placed.position = Vec3::new(&state[place..]);
+            placed.velocity = Vec3::new(&state[place + 3..]);
             placed.rotation = Rotation::of_quaternion(quaternion(&state[place + 6..]));
-            let momentum = Vec3::of(&state[place + 10..]);
+            let momentum = Vec3::new(&state[place + 10..]);
             placed.turning = angular_velocity(&placed.rotation, motion, momentum);
         }
     }
@@ -272,7 +272,7 @@ impl System {
             now.slips[number] = if condition.mode == Mode::Slip {
                 let touch = &now.touches[number];
                 let direction =
-                    slip_direction(Vec3::of(&state[self.layout.bristle(number)..]), touch);
+                    slip_direction(Vec3::new(&state[self.layout.bristle(number)..]), touch);
                 direction.dot(touch.tangential())
                     - self.largest_deflection_rate(contact, touch, now)
             } else {
@@ -288,7 +288,7 @@ impl System {
             return (0.0, Vec3::ZERO);
         }
         let normal_force = touch.slope * self.raw_normal_force(number, touch).max(0.0);
-        let bristle = Vec3::of(&state[self.layout.bristle(number)..]);
+        let bristle = Vec3::new(&state[self.layout.bristle(number)..]);
         let bristle = match mode {
             Mode::Stick => bristle,
             Mode::Slip => {
@@ -416,7 +416,7 @@ impl System {
             let law = &contact.law;
             let normal_force = now.normal_forces[number];
             let place = layout.bristle(number);
-            let bristle = Vec3::of(&state[place..]);
+            let bristle = Vec3::new(&state[place..]);
             let bristle_rate = match condition.mode {
                 Mode::Stick => touch.tangential() + touch.carried(bristle),
                 Mode::Slip => {

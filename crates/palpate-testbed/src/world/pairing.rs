@@ -27,7 +27,7 @@ impl Side {
         matches!(self.shape, None | Some(Shape::Sphere { .. }))
     }
 
-    fn of(scene: &WorldScene, member: Member) -> Self {
+    fn new(scene: &WorldScene, member: Member) -> Self {
         match member {
             Member::Device(number) => {
                 let device = &scene.devices[number];
@@ -207,7 +207,7 @@ pub(super) fn of_pair(
     number: usize,
     pair: &Pair,
 ) -> Result<Vec<Contact>, String> {
-    let [one, other] = pair.between.map(|member| Side::of(scene, member));
+    let [one, other] = pair.between.map(|member| Side::new(scene, member));
     if one.member == other.member {
         return Err(format!("{} cannot touch itself", one.name));
     }

@@ -46,7 +46,7 @@ impl LedPath {
             times[0] == 0.0,
             "path.times[0]",
             times[0],
-            "0 s, where the scene begins",
+            "0 s, the start of the scene",
         )?;
         for pair in times.windows(2) {
             let increases = pair[1].is_finite() && pair[1] > pair[0];
@@ -54,7 +54,7 @@ impl LedPath {
                 increases,
                 "path.times",
                 pair[1],
-                "finite and after the one before",
+                "finite and in increasing order",
             )?;
         }
         for places in &positions {

@@ -378,7 +378,7 @@ fn scene(device: WorldDevice, parts: &Parts, stiffness: f64, mass: f64) -> World
         let weight = if has_weight { mass * GRAVITY } else { 0.0 };
         bodies.push(WorldBody {
             position,
-            motion: Some(FreeMotion::of(&shape, mass).pulled_by([0.0, 0.0, -weight])),
+            motion: Some(FreeMotion::new(&shape, mass).pulled_by([0.0, 0.0, -weight])),
             ..body(format!("ball-{}", number + 1), shape)
         });
     }

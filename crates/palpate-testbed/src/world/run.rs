@@ -410,7 +410,7 @@ impl<'a> Run<'a> {
         for (number, place, _) in system.free_bodies() {
             let q = quaternion(&self.state[place + 6..]);
             bodies[number].orientation = unit(q);
-            bodies[number].angular_momentum = Vec3::of(&self.state[place + 10..]).0;
+            bodies[number].angular_momentum = Vec3::new(&self.state[place + 10..]).0;
         }
         bodies
     }
@@ -439,7 +439,7 @@ impl<'a> Run<'a> {
                 .free_bodies()
                 .map(|(_, place, motion)| {
                     let travel =
-                        Vec3::of(&self.state[place..]) - Vec3::of(&self.body_start[place..]);
+                        Vec3::new(&self.state[place..]) - Vec3::new(&self.body_start[place..]);
                     Vec3(motion.force).dot(travel)
                 })
                 .sum(),

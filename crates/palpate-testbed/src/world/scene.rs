@@ -121,7 +121,7 @@ impl FreeMotion {
     /// A body of that mass `[kg]` at rest, whose `shape` it fills evenly. No force but those of contacts pulls
     /// at it.
     #[must_use]
-    pub fn of(shape: &Shape, mass: f64) -> Self {
+    pub fn new(shape: &Shape, mass: f64) -> Self {
         Self {
             mass,
             inertia: shape.inertia(mass),
@@ -494,7 +494,7 @@ impl WorldBody {
             !matches!(self.shape, Shape::HalfSpace { .. }),
             format!("{name}.motion"),
             motion.mass,
-            "none, for a half-space is fixed",
+            "none, because a half-space is fixed",
         )?;
         above_zero(&format!("{name}.motion.mass"), &[motion.mass])?;
         above_zero(&format!("{name}.motion.inertia"), &motion.inertia)?;

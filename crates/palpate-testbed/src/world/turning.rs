@@ -128,7 +128,7 @@ impl Turning {
 
 /// The product of two quaternions.
 pub(super) fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-    let (v, w) = (Vec3::of(&a[1..]), Vec3::of(&b[1..]));
+    let (v, w) = (Vec3::new(&a[1..]), Vec3::new(&b[1..]));
     let vector = w * a[0] + v * b[0] + v.cross(w);
     let [x, y, z] = vector.0;
     [a[0] * b[0] - v.dot(w), x, y, z]

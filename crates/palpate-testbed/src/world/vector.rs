@@ -9,7 +9,7 @@ pub(super) struct Vec3(pub [f64; 3]);
 impl Vec3 {
     pub const ZERO: Self = Self([0.0; 3]);
 
-    pub fn of(slice: &[f64]) -> Self {
+    pub fn new(slice: &[f64]) -> Self {
         Self([slice[0], slice[1], slice[2]])
     }
 
@@ -128,7 +128,7 @@ impl Rotation {
 
 /// Rate of a quaternion that turns with an angular velocity ω in world axes: q′ = (0, ω) q/2.
 pub(super) fn quaternion_rate(q: [f64; 4], omega: Vec3) -> [f64; 4] {
-    let (w, v) = (q[0], Vec3::of(&q[1..]));
+    let (w, v) = (q[0], Vec3::new(&q[1..]));
     let vector = (omega * w + omega.cross(v)) * 0.5;
     [-0.5 * omega.dot(v), vector.0[0], vector.0[1], vector.0[2]]
 }

@@ -9,7 +9,7 @@ fn a_loop_like_the_ideal_keeps_its_energy() {
     for (name, scene, period, collisions, _) in PAPER {
         let (ideal, profile) = windowed(scene, period, collisions);
         let record = ideal_loop(&ideal, &profile);
-        let evaluated = EnergyEvaluation::of(&ideal, &profile, &record).unwrap();
+        let evaluated = EnergyEvaluation::new(&ideal, &profile, &record).unwrap();
         assert!(!evaluated.diverged);
         assert_close(name, evaluated.energy_drift.unwrap(), 0.0, 1e-12);
         assert_eq!(evaluated.rebounds.len(), collisions);
@@ -27,7 +27,7 @@ fn the_energy_a_loop_makes_is_what_went_through_its_ports() {
     for (name, scene) in [("falling block", FALLING_BLOCK), ("wall", WALL)] {
         let (ideal, profile) = windowed(scene, 0.005, 2);
         let record = spring_loop(&ideal, &profile, 0.0);
-        let evaluated = EnergyEvaluation::of(&ideal, &profile, &record).unwrap();
+        let evaluated = EnergyEvaluation::new(&ideal, &profile, &record).unwrap();
         let impact = ideal.impact_energy(&profile.collisions()[0]);
         // Σ f (Δη − Δξ): the work done on the object less the work taken from the device.
         let mut made = 0.0;
@@ -58,7 +58,7 @@ fn missing_and_stuck_collisions_are_reported() {
         snapshot.force_on_object = 0.0;
         snapshot.device_position = snapshot.object_position + 1e-3;
     }
-    let evaluated = EnergyEvaluation::of(&ideal, &profile, &record).unwrap();
+    let evaluated = EnergyEvaluation::new(&ideal, &profile, &record).unwrap();
     assert!(matches!(evaluated.rebounds[0], Rebound::EnergyError(_)));
     assert_eq!(
         evaluated.rebounds[1..],
@@ -75,18 +75,18 @@ fn tenfold_energy_is_divergence_and_less_is_not() {
         let height = &mut record[30];
         // Raised by so much that gravity holds the extra energy.
         height.object_position += impacts * impact / 0.981;
-        let evaluated = EnergyEvaluation::of(&ideal, &profile, &record).unwrap();
+        let evaluated = EnergyEvaluation::new(&ideal, &profile, &record).unwrap();
         assert_eq!(evaluated.diverged, diverged);
     }
     let unstable = spring_loop(&ideal, &profile, -8.0);
     assert!(
-        EnergyEvaluation::of(&ideal, &profile, &unstable)
+        EnergyEvaluation::new(&ideal, &profile, &unstable)
             .unwrap()
             .diverged
     );
     let sampled = spring_loop(&ideal, &profile, 0.3);
     assert!(
-        !EnergyEvaluation::of(&ideal, &profile, &sampled)
+        !EnergyEvaluation::new(&ideal, &profile, &sampled)
             .unwrap()
             .diverged
     );
@@ -102,13 +102,13 @@ fn a_press_from_rest_is_measured_by_its_spring() {
     .unwrap();
     let profile = ideal.profile(0.001, 400).unwrap();
     let mut record = ideal_loop(&ideal, &profile);
-    let evaluated = EnergyEvaluation::of(&ideal, &profile, &record).unwrap();
+    let evaluated = EnergyEvaluation::new(&ideal, &profile, &record).unwrap();
     assert!(!evaluated.diverged && evaluated.rebounds.is_empty());
     assert_close("drift", evaluated.energy_drift.unwrap(), 0.0, 1e-12);
     // The spring's energy at the peak 2 f_u is 2 f_u²/K.
     let reference = 2.0 * 1.3f64.powi(2) / 900.0;
     let last = record.last_mut().unwrap();
     last.device_velocity = (last.device_velocity.powi(2) + 2.0 * reference / 0.3).sqrt();
-    let evaluated = EnergyEvaluation::of(&ideal, &profile, &record).unwrap();
+    let evaluated = EnergyEvaluation::new(&ideal, &profile, &record).unwrap();
     assert_close("drift", evaluated.energy_drift.unwrap(), 1.0, 1e-9);
 }

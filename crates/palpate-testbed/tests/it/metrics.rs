@@ -9,7 +9,7 @@ use palpate_testbed::metrics::{EnergyEvaluation, Fidelity, ForceEvaluation};
 use palpate_testbed::profile::ForceProfile;
 
 fn fidelity(held: &[f64], profile: &ForceProfile) -> Fidelity {
-    ForceEvaluation::of(held, profile)
+    ForceEvaluation::new(held, profile)
         .unwrap()
         .fidelity
         .unwrap()
@@ -148,7 +148,7 @@ fn collisions_are_paired_by_number() {
     }
     held[40] = 3.0;
     held[41] = -1.0;
-    let evaluated = ForceEvaluation::of(&held, &profile).unwrap();
+    let evaluated = ForceEvaluation::new(&held, &profile).unwrap();
     assert_eq!(evaluated.rendered_collisions, 2);
     let largest = profile.mean_forces().take(25).fold(0.0, f64::max);
     assert_eq!(evaluated.peak_force, 2.0 * largest);
@@ -191,7 +191,7 @@ fn a_force_that_dies_away_after_contact_does_not_join_collisions() {
                 tail = share * peak;
             }
         }
-        let evaluated = ForceEvaluation::of(&held, &profile).unwrap();
+        let evaluated = ForceEvaluation::new(&held, &profile).unwrap();
         assert_eq!(evaluated.rendered_collisions, 3, "{what}");
         for collision in &evaluated.collisions {
             let error = collision.rendered.clone().unwrap().impulse_error.unwrap();
@@ -203,7 +203,7 @@ fn a_force_that_dies_away_after_contact_does_not_join_collisions() {
     let free =
         (20..held.len()).find(|&i| held[i - 1] == 0.0 && held[i] == 0.0 && held[i + 1] == 0.0);
     held[free.unwrap()] = 1e-3 * peak;
-    let evaluated = ForceEvaluation::of(&held, &profile).unwrap();
+    let evaluated = ForceEvaluation::new(&held, &profile).unwrap();
     assert_eq!(evaluated.rendered_collisions, 3);
     let error = |number: usize| {
         evaluated.collisions[number]
@@ -227,7 +227,7 @@ fn what_the_best_held_force_cannot_show_apart_is_judged_as_one() {
         let (ideal, _) = windowed(FALLING_BLOCK, 0.001, 3);
         let profile = ideal.profile(period, intervals).unwrap();
         let means: Vec<f64> = profile.mean_forces().collect();
-        let evaluated = ForceEvaluation::of(&means, &profile).unwrap();
+        let evaluated = ForceEvaluation::new(&means, &profile).unwrap();
         assert!(evaluated.rendered_collisions >= evaluated.collisions.len());
         let impulses = evaluated.collisions.iter().map(|each| each.ideal.impulse);
         let ended = profile
@@ -258,14 +258,14 @@ fn without_contact_there_is_nothing_to_divide_by() {
     })
     .unwrap();
     let profile = ideal.profile(0.01, 5).unwrap();
-    let evaluated = ForceEvaluation::of(&[0.0, 0.0, 1.0, 0.0, 0.0], &profile).unwrap();
+    let evaluated = ForceEvaluation::new(&[0.0, 0.0, 1.0, 0.0, 0.0], &profile).unwrap();
     assert_eq!(evaluated.fidelity, None);
     assert!(evaluated.collisions.is_empty());
     assert_eq!(
         (evaluated.rendered_collisions, evaluated.peak_force),
         (1, 1.0)
     );
-    let energy = EnergyEvaluation::of(&ideal, &profile, &ideal_loop(&ideal, &profile)).unwrap();
+    let energy = EnergyEvaluation::new(&ideal, &profile, &ideal_loop(&ideal, &profile)).unwrap();
     assert_eq!(energy.energy_drift, None);
     assert!(!energy.diverged);
 }
@@ -276,14 +276,14 @@ fn what_is_not_finite_becomes_infinite_and_never_a_nan() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
         let mut held: Vec<f64> = profile.mean_forces().collect();
         held[15] = bad;
-        let evaluated = ForceEvaluation::of(&held, &profile).unwrap();
+        let evaluated = ForceEvaluation::new(&held, &profile).unwrap();
         let fidelity = evaluated.fidelity.unwrap();
         assert_eq!(fidelity.force_rendering_error, f64::INFINITY);
         assert_eq!(fidelity.mean_force_error, f64::INFINITY);
         assert!(evaluated.peak_force >= 1e300);
         let mut record = ideal_loop(&ideal, &profile);
         record[20].device_velocity = bad;
-        let energy = EnergyEvaluation::of(&ideal, &profile, &record).unwrap();
+        let energy = EnergyEvaluation::new(&ideal, &profile, &record).unwrap();
         assert!(energy.diverged);
     }
 }
@@ -291,9 +291,9 @@ fn what_is_not_finite_becomes_infinite_and_never_a_nan() {
 #[test]
 fn records_of_another_length_are_refused() {
     let (ideal, profile) = windowed(FALLING_BLOCK, 0.01, 3);
-    let error = ForceEvaluation::of(&[0.0; 74], &profile).unwrap_err();
+    let error = ForceEvaluation::new(&[0.0; 74], &profile).unwrap_err();
     assert_eq!((error.given, error.expected), (74, 75));
     let record = ideal_loop(&ideal, &profile);
-    let error = EnergyEvaluation::of(&ideal, &profile, &record[..75]).unwrap_err();
+    let error = EnergyEvaluation::new(&ideal, &profile, &record[..75]).unwrap_err();
     assert_eq!((error.given, error.expected), (75, 76));
 }

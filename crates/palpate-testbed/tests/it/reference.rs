@@ -138,7 +138,7 @@ fn what_cannot_be_integrated_is_refused_by_value() {
     );
     assert_eq!(
         too_few.to_string(),
-        "collisions = 1 is not allowed; allowed: as many as there are within 2000 periods"
+        "collisions = 1 is not allowed; allowed: at most the number within 2000 periods"
     );
     let none = refused(scene, Stop::AfterCollisions(0));
     assert_eq!(none, ReferenceError::NoCollisions);

@@ -61,7 +61,7 @@ proptest! {
             prop_assert!(collision.impulse.is_finite() && collision.peak_force.is_finite());
             prop_assert!(collision.impact_speed.is_finite());
         }
-        let evaluated = ForceEvaluation::of(&forces, &profile).unwrap();
+        let evaluated = ForceEvaluation::new(&forces, &profile).unwrap();
         if let Some(fidelity) = evaluated.fidelity {
             prop_assert!(fidelity.force_rendering_error.is_finite());
             prop_assert!(fidelity.mean_force_error.is_finite());
@@ -71,7 +71,7 @@ proptest! {
         }
         let record: Vec<Snapshot> = (0..=64).map(|i| ideal.at(f64::from(i) * period)).collect();
         prop_assert!(record.iter().all(Snapshot::is_finite));
-        let energy = EnergyEvaluation::of(&ideal, &profile, &record).unwrap();
+        let energy = EnergyEvaluation::new(&ideal, &profile, &record).unwrap();
         prop_assert!(energy.energy_drift.is_none_or(f64::is_finite));
     }
 

@@ -41,7 +41,7 @@ fn scene() -> WorldScene {
             shape: shape.clone(),
             position: [0.0; 3],
             orientation: [1.0, 0.0, 0.0, 0.0],
-            motion: Some(FreeMotion::of(&shape, 0.1)),
+            motion: Some(FreeMotion::new(&shape, 0.1)),
         }],
         pairs: (0..2)
             .map(|device| Pair {
@@ -86,7 +86,7 @@ fn all(evaluation: &WorldEvaluation) -> Vec<Fidelity> {
 #[test]
 fn the_interval_means_are_at_the_floor_and_have_no_error() {
     let ideal = ideal(Grid::even(0.0, PERIOD, 60));
-    let evaluation = WorldEvaluation::of(&scene(), &ideal, &means(&ideal)).unwrap();
+    let evaluation = WorldEvaluation::new(&scene(), &ideal, &means(&ideal)).unwrap();
     let all = all(&evaluation);
     assert_eq!(all.len(), 9);
     for fidelity in all {
@@ -144,7 +144,7 @@ fn the_square_of_the_error_is_that_of_floor_and_mean_force_error_on_any_grid() {
         Grid::cut_at(cut, PERIOD).unwrap(),
     ] {
         let ideal = ideal(grid);
-        let evaluation = WorldEvaluation::of(&scene(), &ideal, &rendered(&ideal)).unwrap();
+        let evaluation = WorldEvaluation::new(&scene(), &ideal, &rendered(&ideal)).unwrap();
         for fidelity in all(&evaluation) {
             let sum = fidelity.hold_bound.hypot(fidelity.mean_force_error);
             assert!(fidelity.mean_force_error > 1.0);
@@ -157,7 +157,7 @@ fn the_square_of_the_error_is_that_of_floor_and_mean_force_error_on_any_grid() {
 fn errors_in_sum_count_by_the_mobility_of_each_axis() {
     let ideal = ideal(Grid::even(0.0, PERIOD, 60));
     let held = rendered(&ideal);
-    let evaluation = WorldEvaluation::of(&scene(), &ideal, &held).unwrap();
+    let evaluation = WorldEvaluation::new(&scene(), &ideal, &held).unwrap();
     let (mut apart, mut of_ideal) = (0.0, 0.0);
     for (device, held) in ideal.devices.iter().zip(&held) {
         for (axis, mass) in [0.1, 0.16, 0.25].iter().enumerate() {
@@ -188,7 +188,7 @@ fn the_squares_are_those_of_the_force_and_not_of_its_samples() {
             .iter()
             .map(|q| q.iter().sum::<f64>())
             .sum();
-        let evaluation = WorldEvaluation::of(&scene(), &ideal, &means(&ideal)).unwrap();
+        let evaluation = WorldEvaluation::new(&scene(), &ideal, &means(&ideal)).unwrap();
         (sum, evaluation.sum.unwrap().hold_bound)
     };
     let (coarse, floor) = squares(60);
@@ -208,7 +208,7 @@ fn touches_are_paired_in_order_and_missing_ones_are_none() {
     for force in &mut held[1] {
         *force = [0.0; 3];
     }
-    let evaluation = WorldEvaluation::of(&scene(), &ideal, &held).unwrap();
+    let evaluation = WorldEvaluation::new(&scene(), &ideal, &held).unwrap();
     for touch in &evaluation.devices[0].touches {
         let error = touch.rendered.as_ref().unwrap().impulse_error.unwrap();
         assert!((error - 0.1).abs() < 1e-12);
@@ -245,7 +245,7 @@ fn forces_that_do_not_fit_are_refused_and_bad_ones_are_infinite() {
     let mut held = means(&ideal);
     held[1].pop();
     assert_eq!(
-        WorldEvaluation::of(&scene(), &ideal, &held).unwrap_err(),
+        WorldEvaluation::new(&scene(), &ideal, &held).unwrap_err(),
         EvaluationError::Intervals {
             device: 1,
             mismatch: WindowMismatch {
@@ -254,14 +254,14 @@ fn forces_that_do_not_fit_are_refused_and_bad_ones_are_infinite() {
             }
         }
     );
-    let error = WorldEvaluation::of(&scene(), &ideal, &held[..1]).unwrap_err();
+    let error = WorldEvaluation::new(&scene(), &ideal, &held[..1]).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "there are forces of 1 devices, and the ideal has 2"
+        "the record has forces of 1 devices, but the ideal has 2"
     );
     let mut held = means(&ideal);
     held[0][3] = [f64::NAN, 0.0, 0.0];
-    let evaluation = WorldEvaluation::of(&scene(), &ideal, &held).unwrap();
+    let evaluation = WorldEvaluation::new(&scene(), &ideal, &held).unwrap();
     assert_eq!(evaluation.devices[0].peak_force, f64::INFINITY);
     assert_eq!(evaluation.sum.unwrap().mean_force_error, f64::INFINITY);
 }

@@ -222,7 +222,7 @@ fn floor_and_error_add_up_in_squares_for_torques_too() {
     let best = [means(&ideal.devices[0].impulses)];
     let best_torque = [means(&ideal.devices[0].torque_impulses)];
     let at_best = WorldEvaluation::of_wrenches(&scene, &ideal, &best, &best_torque).unwrap();
-    let none = WorldEvaluation::of(&scene, &ideal, &best).unwrap();
+    let none = WorldEvaluation::new(&scene, &ideal, &best).unwrap();
     let sum = at_best.sum.unwrap();
     assert!(
         sum.mean_force_error < 1e-9 && sum.hold_bound > 0.5,
@@ -319,7 +319,7 @@ fn a_hand_alone_turns_a_tool_whose_device_gives_no_torque() {
             .all(|x| *x == 0.0)
     );
     let forces = ideal.devices[0].mean_forces(&grid);
-    let evaluated = WorldEvaluation::of(&scene, &ideal, &[forces]).unwrap();
+    let evaluated = WorldEvaluation::new(&scene, &ideal, &[forces]).unwrap();
     assert_eq!(evaluated.devices[0].torque, None);
     assert!(evaluated.sum.unwrap().mean_force_error < 1e-9);
 }

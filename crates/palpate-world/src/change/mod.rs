@@ -134,7 +134,7 @@ impl WorldRenderer {
         let before = &self.world.tools;
         if world.tools.len() != before.len() {
             let message = format!(
-                "there are {} tools, and {} before; the tools of a world that runs stay",
+                "there are {} tools, previously {}; the tools of a running world cannot change",
                 world.tools.len(),
                 before.len()
             );
@@ -159,15 +159,15 @@ impl WorldRenderer {
                 let turns = match (before.turns, before.gives_torque) {
                     (false, _) => "does not turn",
                     (true, true) => "turns",
-                    (true, false) => "is turned by its hand",
+                    (true, false) => "turns without torque",
                 };
                 WorldError::new(
                     WorldPart::Tool(number),
                     WorldField::Tools,
                     format!("tool {:?}", tool.name),
                     format!(
-                        "it was {:?}, which moves along {} and {turns}; the tools of a world that runs stay, but \
-                         for their shapes",
+                        "it was {:?}, which moves along {} and {turns}; tools of a running world can change only their \
+                         shapes",
                         before.name,
                         before.names_of_axes()
                     ),

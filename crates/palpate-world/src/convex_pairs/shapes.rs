@@ -60,7 +60,7 @@ fn capsule(shapes: [&Shape; 2]) -> Option<Rod> {
     let other = match shapes[1 - side] {
         Shape::Hull(hull) => Other::Flat(hull.by_corners().clone()),
         shape @ (Shape::Box { .. } | Shape::Capsule { .. } | Shape::Cylinder { .. }) => {
-            Other::Round(Solid::of(shape)?)
+            Other::Round(Solid::new(shape)?)
         }
         _ => return None,
     };

@@ -115,7 +115,7 @@ impl EngineBody {
         let place = WorldPart::Body(number);
         let subject = format!("body {:?}", self.name);
         if self.shapes.is_empty() {
-            let message = "it has no shape that a tool could touch";
+            let message = "it has no shape; give at least one";
             return vec![WorldError::new(place, WorldField::Shape, subject, message)];
         }
         let mut faults = Vec::new();

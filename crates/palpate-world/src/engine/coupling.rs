@@ -42,7 +42,7 @@ impl Coupling {
         faults.extend(loop_params.faults(tools.len()));
         if loop_params.guard != WorldGuard::Off {
             let message = format!(
-                "guard is asked for, and {bodies} bodies have no books that it could reckon with"
+                "guard is on, but {bodies} bodies have no energy ledger for it; turn it off"
             );
             faults.push(WorldError::new(
                 WorldPart::Loop,

@@ -72,7 +72,7 @@ impl Image {
     }
 
     /// Creates the image of a body at the beginning of a step.
-    pub fn of(body: &BodyNow, offset: &ImageOffset) -> Self {
+    pub fn new(body: &BodyNow, offset: &ImageOffset) -> Self {
         let [w, x, y, z] = body.orientation;
         let turned = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
         let twist = body.twist();

@@ -22,17 +22,18 @@ pub(super) enum Outline {
 
 impl Outline {
     /// Returns the outline of a shape, or a message if the shape has none.
-    fn of(shape: &Shape) -> Result<Self, String> {
+    fn new(shape: &Shape) -> Result<Self, String> {
         match shape {
             Shape::Hull(hull) => Ok(Self::Convex(hull.mesh().clone())),
             Shape::Mesh(mesh) if mesh.is_convex() => Ok(Self::Convex(mesh.clone())),
             Shape::Mesh(_) => Err(format!(
-                "a mesh here has to be closed and convex, of at most {} triangles: give the hull around it, or several \
-                 convex parts",
+                "a mesh of an engine's body has to be closed and convex, of at most {} triangles: give its hull or \
+                 several convex parts",
                 Mesh::MAX_OF_CONVEX
             )),
-            other => Solid::of(other).map(Self::Solid).ok_or_else(|| {
-                "a body of several spheres has a shape for each of them here".to_string()
+            other => Solid::new(other).map(Self::Solid).ok_or_else(|| {
+                "an engine's body has no shape of several spheres; give each sphere as a shape"
+                    .to_string()
             }),
         }
     }
@@ -181,7 +182,7 @@ pub(super) fn of_spheres(tools: &[Tool]) -> (Vec<f64>, Vec<WorldError>) {
                 WorldPart::Tool(number),
                 WorldField::Turns,
                 subject(),
-                "a tool that touches the bodies of another engine does not turn so far: give it a device of three axes",
+                "a tool that touches the bodies of another engine cannot turn yet: use a device of three axes",
             ));
         }
     }
@@ -198,7 +199,7 @@ pub(super) fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<Wo
         };
         for (body, described) in bodies.iter().enumerate() {
             for placed in &described.shapes {
-                let outline = match Outline::of(&placed.shape) {
+                let outline = match Outline::new(&placed.shape) {
                     Ok(outline) => outline,
                     Err(message) => {
                         let subject = format!("body {:?}", described.name);
@@ -232,7 +233,7 @@ pub(super) fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<Wo
         faults.extend(body.faults(number, tools));
     }
     if bodies.is_empty() {
-        let message = "there is no body of the engine to touch";
+        let message = "there is no body to touch; give at least one";
         faults.push(WorldError::new(
             WorldPart::World,
             WorldField::Bodies,
@@ -246,7 +247,7 @@ pub(super) fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<Wo
             WorldField::Bodies,
             "the engine",
             format!(
-                "its bodies have {} shapes for all tools together, and at most {MAX_POINTS} are allowed",
+                "there are {} pairs of a tool and a shape, and at most {MAX_POINTS} are allowed",
                 pairs.len()
             ),
         ));

@@ -85,7 +85,7 @@ impl EngineRenderer {
         state.record_ports(bodies);
         let images = state.meeting.images.iter_mut();
         for ((image, body), offset) in images.zip(bodies).zip(&state.offsets) {
-            *image = Image::of(body, offset);
+            *image = Image::new(body, offset);
         }
         state.look(&self.pairs, |entry| &mut entry.observed);
         state.add_work(&self.pairs, -1.0);

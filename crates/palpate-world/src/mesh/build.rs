@@ -39,7 +39,7 @@ pub enum MeshError {
     #[error("the mesh has no triangle with an area; it needs at least one")]
     Empty,
     /// Too many triangles.
-    #[error("the mesh has {0} triangles, and at most {most} are taken; reduce it", most = Mesh::MAX_TRIANGLES)]
+    #[error("the mesh has {0} triangles, and at most {most} are allowed; reduce it", most = Mesh::MAX_TRIANGLES)]
     TooMany(usize),
     /// A corner index out of range.
     #[error(
@@ -58,8 +58,8 @@ pub enum MeshError {
     NotFinite(usize),
     /// A surface that branches at an edge.
     #[error(
-        "triangles {}, {} and {} share an edge, and as many of its triangles have to run along it one way as the other: solids may \
-         touch there, but a sheet that stands on a surface has no inside; remove it, or give it a thickness",
+        "triangles {}, {} and {} share an edge, and an edge needs equal numbers of triangles in both directions: \
+         solids may touch at an edge, but a sheet on a surface has no inside; remove the sheet or give it a thickness",
         .0[0], .0[1], .0[2]
     )]
     SharedEdge([usize; 3]),
@@ -71,12 +71,15 @@ pub enum MeshError {
     TwoSided([usize; 2]),
     /// Neighbours with opposite orientation.
     #[error(
-        "triangles {} and {} share an edge and run along it the same way, so that one of them is inside out; turn the \
-         corners of one of them round", .0[0], .0[1]
+        "triangles {} and {} share an edge and run along it the same way, so one of them is inside out; reverse the \
+         corners of one of them", .0[0], .0[1]
     )]
     Winding([usize; 2]),
     /// A vertex with too many triangles for one tick.
-    #[error("{triangles} triangles meet at vertex {vertex} of the mesh, and at most {most} may", most = Mesh::MAX_AROUND)]
+    #[error(
+        "{triangles} triangles meet at vertex {vertex} of the mesh, and at most {most} are allowed",
+        most = Mesh::MAX_AROUND
+    )]
     Fan {
         /// Index of the vertex after merging.
         vertex: usize,
@@ -85,8 +88,9 @@ pub enum MeshError {
     },
     /// A closed surface without a volume.
     #[error(
-        "the mesh is closed and encloses a volume of {0} m^3, and it has to enclose one above 0; of a sheet that is given from both \
-         sides, remove the triangles of one side (an open mesh is touched from the front of its triangles), or give it a thickness"
+        "the closed mesh encloses a volume of {0} m^3, and the volume has to be above 0; if it is a two-sided sheet, \
+         remove the triangles of one side (an open mesh is touched from the front of its triangles), or give it a \
+         thickness"
     )]
     NoVolume(f64),
 }
@@ -170,7 +174,7 @@ impl Mesh {
             given,
             turned,
         } = parts.into_parts()?;
-        let topology = Topology::of(&vertices, &kept, &given)?;
+        let topology = Topology::new(&vertices, &kept, &given)?;
         let dropped = faces.len() - kept.len();
         Ok(Self {
             turned,

@@ -87,8 +87,8 @@ pub enum InvalidGrid {
     },
     /// The grid would need too much memory.
     #[error(
-        "a spacing of {spacing} m makes {nodes:.3e} nodes, and at most {most} are taken; the least spacing for this mesh \
-         is about {least:.3e} m", most = DistanceGrid::MAX_NODES
+        "a spacing of {spacing} m gives {nodes:.3e} nodes, and at most {most} are allowed; the least spacing for this \
+         mesh is about {least:.3e} m", most = DistanceGrid::MAX_NODES
     )]
     Fine {
         /// Spacing `[m]`.
@@ -121,7 +121,7 @@ impl DistanceGrid {
     ///
     /// # Errors
     /// The mesh is open, or the spacing is not a positive length or does not fit the mesh.
-    pub fn of(mesh: &Mesh, spacing: f64) -> Result<Self, InvalidGrid> {
+    pub fn new(mesh: &Mesh, spacing: f64) -> Result<Self, InvalidGrid> {
         let (least, counts) = laid_out(mesh, spacing)?;
         let mut coefficients = distances(mesh, &least, counts, spacing);
         through(&mut coefficients, counts);
@@ -497,7 +497,7 @@ mod tests {
     fn the_spline_passes_through_the_distances_at_the_nodes() {
         let mesh = grooved();
         let spacing = 0.8e-3;
-        let grid = DistanceGrid::of(&mesh, spacing).unwrap();
+        let grid = DistanceGrid::new(&mesh, spacing).unwrap();
         let nodes = &*grid.nodes;
         let mut checked = 0;
         for z in 2..nodes.counts[2] - 2 {
@@ -515,7 +515,7 @@ mod tests {
 
     #[test]
     fn in_turned_axes_the_distances_are_the_same() {
-        let grid = DistanceGrid::of(&grooved(), 0.8e-3).unwrap();
+        let grid = DistanceGrid::new(&grooved(), 0.8e-3).unwrap();
         let centre = Vector3::new(3e-3, -2e-3, 5e-3);
         let turned = Rotation::from_scaled_axis(Vector3::new(0.4, -1.1, 0.7));
         let seen = grid.seen_from(&centre, &turned);
@@ -533,7 +533,7 @@ mod tests {
     #[test]
     fn nothing_within_reach_is_called_far() {
         let mesh = grooved();
-        let grid = DistanceGrid::of(&mesh, 0.6e-3).unwrap();
+        let grid = DistanceGrid::new(&mesh, 0.6e-3).unwrap();
         let mut far = 0;
         for number in 1..4000 {
             let place = (spread(number) - Vector3::repeat(0.5)) * 60e-3 + Vector3::repeat(7e-3);
@@ -561,7 +561,7 @@ mod tests {
     #[test]
     fn the_finest_spacing_that_a_refusal_names_fits() {
         let mesh = grooved();
-        let Err(InvalidGrid::Fine { least, .. }) = DistanceGrid::of(&mesh, 1e-5) else {
+        let Err(InvalidGrid::Fine { least, .. }) = DistanceGrid::new(&mesh, 1e-5) else {
             panic!("too fine");
         };
         assert!(laid_out(&mesh, least).is_ok(), "{least}");

@@ -29,12 +29,12 @@ pub struct PointShell {
 #[non_exhaustive]
 pub enum InvalidShell {
     /// Too few or too many points.
-    #[error("a shell of {0} points: it has to have 4 to {most}", most = PointShell::MAX_POINTS)]
+    #[error("the shell has {0} points, and has to have 4 to {most}", most = PointShell::MAX_POINTS)]
     Points(usize),
     /// More points in a plane than may touch at a time.
     #[error(
-        "of {points} points of the shell {in_plane} lie in one plane, and at most {most} may touch at a time: ask for fewer \
-         points", most = PointShell::MAX_ALWAYS
+        "the shell has {points} points, of which {in_plane} lie in one plane, and at most {most} may touch at a time: \
+         use fewer points", most = PointShell::MAX_ALWAYS
     )]
     Flat {
         /// Number of points.
@@ -44,7 +44,7 @@ pub enum InvalidShell {
     },
     /// Share out of range.
     #[error(
-        "the law is shared by {shared_by} points, and has to be by 1 to {points}, all that there are"
+        "the law is shared by {shared_by} points, and has to be shared by 1 to {points}, the size of the shell"
     )]
     SharedBy {
         /// Requested number.

@@ -67,7 +67,7 @@ pub(super) struct Topology {
 
 impl Topology {
     /// Creates the topology of triangles with non-zero area. `given` has their indices for messages.
-    pub fn of(
+    pub fn new(
         vertices: &[Vector3],
         faces: &[[u32; 3]],
         given: &[usize],

@@ -224,14 +224,14 @@ impl CoupledParams {
         // The mass of a device that no force moves is irrelevant.
         let linkages = all.iter().zip(&self.device_mass).map(|(tool, mass)| {
             let mut there = mass.iter().zip(tool.axes).filter(|(_, has)| *has);
-            Linkage::of(tool).filter(|_| there.all(|(mass, _)| mass.is_finite()))
+            Linkage::new(tool).filter(|_| there.all(|(mass, _)| mass.is_finite()))
         });
         Ok(Coupled {
             turning_priors: turning_priors.collect(),
             turn_limit: self.turn_limit,
             turn_return: self.turn_return,
             priors: priors.collect(),
-            axes: all.iter().map(Axes::of).collect(),
+            axes: all.iter().map(Axes::new).collect(),
             linkages: linkages.collect(),
             offset_limit: self.offset_limit,
             offset_return: self.offset_return,

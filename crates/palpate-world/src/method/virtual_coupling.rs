@@ -93,7 +93,7 @@ impl VirtualCouplingParams {
                 ));
             } else if count != asked && count != tools {
                 fault(format!(
-                    "{field} has {count} entries, and no tool feels a torque; give none"
+                    "{field} has {count} entries, and no tool gives a torque; give none"
                 ));
             }
             let wrong = list

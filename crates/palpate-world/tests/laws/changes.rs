@@ -221,7 +221,7 @@ pub fn pendulum() -> World {
     // The spring makes the angle observable.
     let law = JointLaw {
         spring: 0.02,
-        ..JointLaw::of(2e4, 0.03)
+        ..JointLaw::new(2e4, 0.03)
     };
     World {
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.005 })],

@@ -449,14 +449,14 @@ fn what_cannot_be_rendered_is_said_with_its_name() {
     ] {
         assert!(said.contains(part), "{said}");
     }
-    assert!(of(&[], params()).contains("there is no body of the engine to touch"));
+    assert!(of(&[], params()).contains("there is no body to touch"));
     let open = Mesh::new(&[[0.0; 3], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]], &[[0, 1, 2]]).unwrap();
     let hollow = Mesh::new(&star(), &STAR).unwrap();
     for mesh in [open, hollow] {
         let body = still("cup", Shape::Mesh(mesh.into()));
         let said = of(&[body], params());
         assert!(
-            said.contains("body \"cup\": a mesh here has to be closed and convex"),
+            said.contains("body \"cup\": a mesh of an engine's body has to be closed and convex"),
             "{said}"
         );
     }

@@ -59,7 +59,7 @@ fn moments(mass: f64) -> Vector {
 fn a_block_on_a_hinge_is_a_pendulum() {
     let (mass, arm, stiffness) = (0.1, 0.05, 2e4);
     let block = block("one", mass, |free| free.pulled_by([0.0, 0.0, -9.81 * mass]));
-    let law = JointLaw::of(stiffness, 0.03);
+    let law = JointLaw::new(stiffness, 0.03);
     let lean: f64 = 0.02;
     // The block starts at a small angle from the hinge's vertical.
     let place = [arm * lean.sin(), 0.0, -arm * lean.cos()];
@@ -100,7 +100,7 @@ fn a_block_on_a_slider_swings_on_its_spring_and_comes_back_from_its_stops() {
     let law = JointLaw {
         spring,
         rest: 0.01,
-        ..JointLaw::of(2e4, 0.03)
+        ..JointLaw::new(2e4, 0.03)
     };
     let axis = [0.6, 0.0, 0.8];
     let slider = |law| vec![joint(JointKind::Slider, None, [0.0; 3], axis, law)];
@@ -125,7 +125,7 @@ fn a_block_on_a_slider_swings_on_its_spring_and_comes_back_from_its_stops() {
 
     let stops = JointLaw {
         limits: Some([-0.01, 0.015]),
-        ..JointLaw::of(2e4, 0.03)
+        ..JointLaw::new(2e4, 0.03)
     };
     let speed = axis.map(|a| 0.3 * a);
     let thrown = block("one", mass, |free| free.moving(speed));
@@ -161,7 +161,7 @@ fn two_blocks_on_a_joint_keep_momentum_and_angular_momentum_and_without_damping_
                 } else {
                     [-0.004, 0.006]
                 }),
-                ..JointLaw::of(8000.0, 0.03)
+                ..JointLaw::new(8000.0, 0.03)
             };
             let one = block("one", 0.1, |free| Free {
                 velocity: [0.1, -0.2, 0.05],
@@ -225,7 +225,7 @@ fn a_button_pressed_for_a_minute_does_not_creep() {
         spring: 300.0,
         along_damping: 1.0,
         limits: Some([-0.004, 0.0005]),
-        ..JointLaw::of(1e4, 0.02)
+        ..JointLaw::new(1e4, 0.02)
     };
     let world = World {
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.005 })],

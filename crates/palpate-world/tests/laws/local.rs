@@ -281,7 +281,7 @@ fn what_cannot_be_published_is_said_with_its_number() {
     for (faults, part) in [
         (
             said(&[], &[]),
-            "there are 0 bodies, and the loop has room for exactly 1",
+            "there are 0 bodies, and the loop needs exactly 1",
         ),
         (
             said(&[nowhere], &[]),
@@ -293,11 +293,11 @@ fn what_cannot_be_published_is_said_with_its_number() {
         ),
         (
             said(&[body], &contact(|it| it.normal = [0.0, 0.0, 2.0])),
-            "contact 1: normal has the length 2, and has to have 1",
+            "contact 1: normal has length 2, and has to have length 1",
         ),
         (
             said(&[body], &contact(|it| it.normal = [f64::NAN; 3])),
-            "contact 1: normal has the length NaN",
+            "contact 1: normal has length NaN",
         ),
         (
             said(&[body], &contact(|it| it.place[1] = f64::INFINITY)),
@@ -320,7 +320,7 @@ fn what_cannot_be_published_is_said_with_its_number() {
                 &[body],
                 &contact(|it| it.touching = palpate_world::engine::local::Touching::Tool(3)),
             ),
-            "it is of tool 3, and there are 1 tools",
+            "its tool is 3, and there are 1 tools",
         ),
         (said(&[body], &[Some(foot)]), "body 0 cannot touch itself"),
         (

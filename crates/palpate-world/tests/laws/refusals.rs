@@ -71,10 +71,10 @@ fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not(
     assert_eq!(faults.len(), 1, "{faults:?}");
     assert_eq!(
         faults[0].to_string(),
-        "\"block\" and \"shelf\": there is no contact of a box with a mesh yet: they can touch along an edge where no corner is. \
-         A mesh may touch a sphere, a tool of several and a half-space; with a shell of points also a box, hull, capsule or \
-         cylinder, and a mesh with a distance grid. Give one of them another shape, such as a hull, or leave the pair without a \
-         law"
+        "\"block\" and \"shelf\": there is no contact of a box with a mesh yet: edges can touch away from corners. A mesh \
+         can touch a sphere, a tool of several spheres and a half-space; with a shell of points also a box, hull, \
+         capsule, cylinder, and a mesh with a distance grid. Change one of the shapes, for example to a hull, or \
+         remove the law of the pair"
     );
 }
 

@@ -256,7 +256,7 @@ fn what_turns_is_refused_where_it_makes_no_sense() {
     other.tools[0] = Tool::new("tool", case.shape.clone()).turning();
     let refused = renderer.changed(&state, &other).unwrap_err();
     let said = refused[0].to_string();
-    assert!(said.contains("is turned by its hand"), "{said}");
+    assert!(said.contains("turns without torque"), "{said}");
 
     // A virtual coupling has no rotational spring without a torque output.
     let springs = VirtualCouplingParams {
@@ -265,5 +265,5 @@ fn what_turns_is_refused_where_it_makes_no_sense() {
     };
     let refused = WorldRenderer::new(&world, WorldLoop::new(0.001), springs).unwrap_err();
     let said = refused[0].to_string();
-    assert!(said.contains("no tool feels a torque"), "{said}");
+    assert!(said.contains("no tool gives a torque"), "{said}");
 }

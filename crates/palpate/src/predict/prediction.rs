@@ -136,9 +136,9 @@ pub(crate) const PREDICTION: Setting = Setting {
         // Earlier name, from before there were other choices at constant velocity.
         earlier: &[("constant-velocity", PredictionName::LastStep.name())],
     },
-    help: "how it tells where the device will be, or how fast the penetration grows; \
-           first-order-adaptive-window is last-step where the sensor has no known quantum, its noise \
-           bound; extrapolation is at constant acceleration",
+    help: "prediction of the device position, or of the penetration rate; first-order-adaptive-window uses the sensor \
+           quantum as its noise bound and equals last-step if the quantum is unknown; extrapolation is at constant \
+           acceleration",
     default: PredictionName::LastStep.name(),
 };
 

@@ -351,7 +351,7 @@ impl<S: Scalar> Changes<S> {
 
     fn response(&self, duration: S) -> Response<S> {
         let [a, b, c, d, ramp, damping] = self.0;
-        Response::of(
+        Response::new(
             [a, b, c, d].map(|change| change.penetration),
             [a, b, c, d].map(|change| change.speed),
             [ramp.penetration, ramp.speed],

@@ -30,16 +30,15 @@ pub(super) const COUPLED: MethodInfo = MethodInfo {
 const PLACEMENT: Setting = Setting {
     key: SettingKey::PLACEMENT,
     values: SettingValues::Switch,
-    help: "the object is placed where the prediction has it; without, it keeps its own momentum: a step \
-           of the method, to compare with",
+    help: "shift of the object to its predicted position; without it, the object keeps its own momentum (for \
+           comparison)",
     default: "true",
 };
 
 const CORRECTION: Setting = Setting {
     key: SettingKey::CORRECTION,
     values: SettingValues::Switch,
-    help: "an interval that has ended is predicted anew; without, coupled keeps to what it predicted: a \
-           step of the method, to compare with",
+    help: "repeated prediction of an ended interval; without it, coupled keeps its first prediction (for comparison)",
     default: "true",
 };
 

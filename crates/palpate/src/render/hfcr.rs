@@ -57,8 +57,8 @@ const ENTRY_HOLD: Setting = Setting {
         ],
         earlier: &[],
     },
-    help: "where the device is held once contact has begun within a period; midpoint is that of the \
-           crossing and the predicted end",
+    help: "held position of the device if contact begins within a period; midpoint is between the crossing and the \
+           predicted end",
     default: EntryHold::Crossing.name(),
 };
 

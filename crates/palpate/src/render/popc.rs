@@ -43,7 +43,7 @@ const INITIAL_ENERGY: Setting = Setting {
         range: Range::NotNegative,
     },
     help: "energy E_0 that may be given out",
-    default: "what the object stores at the start",
+    default: "energy stored in the object at the start",
 };
 
 impl SettingKey {

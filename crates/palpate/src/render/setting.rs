@@ -262,7 +262,7 @@ impl fmt::Display for SettingsError {
                 let (key, other) = (setting.key, other.key);
                 write!(
                     f,
-                    "{key} is for {other} {needed}, but that of {method} is {is}"
+                    "{key} requires {other} {needed}, but that of {method} is {is}"
                 )
             }
         }

@@ -38,7 +38,7 @@ const DAMPER_OBJECT: Setting = Setting {
         ],
         earlier: &[],
     },
-    help: "what moves the object in contact; held-force is the force that the device feels",
+    help: "forces on the object in contact; held-force is the force on the device",
     default: DamperObject::SpringAndDamper.name(),
 };
 

@@ -37,7 +37,7 @@ impl fmt::Display for ChangeError {
             Self::Parameter(error) => error.fmt(f),
             Self::Period { given, running } => write!(
                 f,
-                "the period is {given} s, and the loop runs at {running} s; stop it to change that"
+                "the period is {given} s, and the loop runs at {running} s; stop the loop to change its period"
             ),
             Self::Side => f.write_str(
                 "the object cannot change to the other side of the device while the loop runs",

@@ -67,7 +67,7 @@ proptest! {
         let pair = Difficulty { kappa, object_kappa };
         let stiffness = pair.stiffness(device_mass, period).unwrap();
         let object_mass = pair.object_mass(device_mass).unwrap();
-        let again = Difficulty::of(stiffness, device_mass, object_mass, period).unwrap();
+        let again = Difficulty::new(stiffness, device_mass, object_mass, period).unwrap();
         prop_assert!((again.kappa / kappa - 1.0).abs() < 1e-14);
         prop_assert!((again.object_kappa / object_kappa - 1.0).abs() < 1e-14);
     }
@@ -75,10 +75,10 @@ proptest! {
 
 #[test]
 fn a_wall_has_no_object_kappa_and_a_clamped_device_no_kappa() {
-    let wall = Difficulty::of(400.0, 0.25, f64::INFINITY, 0.02).unwrap();
+    let wall = Difficulty::new(400.0, 0.25, f64::INFINITY, 0.02).unwrap();
     assert_eq!(wall.object_kappa, 0.0);
     assert_eq!(wall.object_mass(0.25).unwrap(), f64::INFINITY);
-    let clamped = Difficulty::of(400.0, f64::INFINITY, 0.1, 0.02).unwrap();
+    let clamped = Difficulty::new(400.0, f64::INFINITY, 0.1, 0.02).unwrap();
     assert_eq!(clamped.kappa, 0.0);
 }
 

@@ -146,7 +146,7 @@ fn an_infinite_mass_is_a_wall_and_a_negative_infinite_one_is_refused() {
 
 #[test]
 fn difficulty_refuses_what_has_no_meaning() {
-    let of = |k, m, object, t| Difficulty::<f64>::of(k, m, object, t).unwrap_err();
+    let of = |k, m, object, t| Difficulty::<f64>::new(k, m, object, t).unwrap_err();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert_eq!(of(bad, 1.0, 1.0, 1.0).parameter, Parameter::Stiffness);
         assert_eq!(of(1.0, 1.0, 1.0, bad).parameter, Parameter::Period);

@@ -15,7 +15,7 @@ fn main() -> Result<(), String> {
     }
     println!("E in percent, (FRE over the hold bound), time of a step with the contact in us\n");
     println!(
-        "| scene | T ms | K N/m | steps | engine | engine, tuned | palpate | told 1.5 times the mass | us, engine | us, palpate | tuned |"
+        "| scene | T ms | K N/m | steps | engine | engine, tuned | palpate | palpate, model mass 1.5 times | us, engine | us, palpate | tuned |"
     );
     println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---|");
     for (period, stiffness) in RATES {
@@ -53,7 +53,7 @@ fn steps(argument: &str) -> Result<(u32, usize), String> {
         .filter(|(steps, parts)| (1..=1000).contains(steps) && (1..=100).contains(parts))
         .ok_or_else(|| {
             format!(
-                "\"{argument}\" does not say steps and parts: 4x1 is 4 steps of the engine in a period, 1 to 1000, each in 1 \
+                "\"{argument}\" is not STEPSxPARTS: 4x1 is 4 steps of the engine in a period, 1 to 1000, each in 1 \
                  part, 1 to 100"
             )
         })
@@ -79,5 +79,5 @@ fn tuned(bench: &Bench) -> Result<(Own, Outcome), String> {
             }
         }
     }
-    best.ok_or_else(|| "nothing was tried".to_owned())
+    best.ok_or_else(|| "no damping ratio was evaluated".to_owned())
 }

@@ -1,10 +1,11 @@
 """Contacts with the bodies of other physics engines.
 
-An engine keeps its bodies. palpate renders the contacts of a device's tool with them: nothing but forces goes
-into the engine, nothing but states comes out of it, and no body is put anywhere.
+The engine simulates its bodies. palpate renders the contacts of a device's tool with them: it reads states from the
+engine and applies forces, and never moves a body itself.
 
-`palpate.engines.mujoco` does that for MuJoCo, `palpate.engines.pybullet` for PyBullet, `palpate.engines.drake` for Drake.
-`EngineContact` is what an adapter for another engine is made of. `LowRateSimulator` is for an engine or a game that is slower than the loop.
+`palpate.engines.mujoco` supports MuJoCo, `palpate.engines.pybullet` PyBullet, and `palpate.engines.drake` Drake. Use
+`EngineContact` to write an adapter for another engine, and `LowRateSimulator` for an engine or a game that runs at a
+lower rate than the loop.
 """
 
 from __future__ import annotations

@@ -13,92 +13,92 @@ from .._fixed import Fixed, question_period
 from .._world_values import ContactLedger, Effort, ToolState, Vector
 
 BODY_COLUMNS = 55
-"""Numbers that say a body at the beginning of a step: see `EngineContact.meet`."""
+"""Length of the state row of a body at the beginning of a step: see `EngineContact.meet`."""
 
 
 class PlacedShape(NamedTuple):
-    """A shape that is fixed to a body."""
+    """Shape that is fixed to a body."""
 
     kind: str
-    """`sphere`, `box`, `capsule`, `cylinder`, `half-space`: all z <= 0 of its own axes, or `hull`: the least convex solid
-    around points."""
+    """`sphere`, `box`, `capsule`, `cylinder`, `half-space` (z <= 0 in the shape's frame), or `hull` (the convex hull of
+    points)."""
     lengths: tuple[float, ...]
     """Radius [m] of a sphere; half lengths along the axes [m] of a box; radius and half length along z [m] of a
-    capsule and a cylinder; none of a half-space and a hull."""
+    capsule and a cylinder; empty for a half-space and a hull."""
     position: Sequence[float] = (0.0, 0.0, 0.0)
-    """Where the shape's own axes begin, in the axes of the body, from its reference point [m]."""
+    """Origin of the shape's frame relative to the reference point of the body, in the body frame [m]."""
     orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
-    """Unit quaternion [w, x, y, z] that turns the shape's axes into those of the body."""
+    """Unit quaternion [w, x, y, z] from the shape's frame to the body frame."""
     points: Sequence[Sequence[float]] = ()
-    """Of a hull: points in the shape's own axes [m], of which at most 4096 may be its corners. Those that are outside of
-    the others' hull by no more than 1e-6 of the largest coordinate are left out."""
+    """Points of a hull in the shape's frame [m]; at most 4096 may be corners. Points that extend the hull of the others
+    by at most 1e-6 of the largest coordinate are ignored."""
 
 
 class EngineBody(NamedTuple):
-    """A body that tools may touch."""
+    """Body that tools may touch."""
 
     name: str
-    """Its name, in messages."""
+    """Name, for messages."""
     shapes: Sequence[PlacedShape]
-    """What tools touch of it."""
+    """Collision shapes."""
 
 
 class EngineOutput(NamedTuple):
-    """The answer to one sample."""
+    """Result for one sample."""
 
     forces: NDArray[np.float64]
     """Force on each device [N], a row for each."""
     limited: tuple[str, ...]
-    """Limits that acted: `force`, `offset` of a proxy or an image, `soft-start`, and `safety-stop`: the loop has
-    created energy, and all forces stay 0 until `reset()`."""
+    """Active limits: `force`, `offset` of a proxy or an image, `soft-start`, and `safety-stop`: the loop has
+    generated energy, and all forces stay 0 until `reset()`."""
     effort: Effort
-    """What the period has cost, over all steps of the engine."""
+    """Cost of the period, over all steps of the engine."""
     fault: str | None
-    """Why there was no contact, one of `palpate.FAULTS`; `None` where there was. All forces are then 0."""
+    """Reason for rejecting the sample, one of `palpate.FAULTS`, and all forces are 0; `None` for a valid sample."""
 
 
 class PointOfContact(NamedTuple):
-    """A point at which a tool may touch a body, at the end of the last period."""
+    """State of a potential contact point of a tool and a body at the end of the last period."""
 
     between: tuple[str, str]
     """Names of the tool and the body."""
     mode: str
-    """`free`, `sticks`, `slides`, or `parts`: they overlap but do not push."""
+    """`free`, `sticks`, `slides`, or `parts`: tool and body overlap but do not push."""
     point: Vector
-    """Where the force acts [m]."""
+    """Point of action of the force [m]."""
     normal: Vector
     """Unit vector from the body to the tool."""
     penetration: float
-    """How far they overlap [m], 0 where they do not."""
+    """Depth of the overlap [m], 0 without overlap."""
     force: Vector
     """Force on the tool [N]."""
 
 
 class PortLedger(NamedTuple):
-    """Energy at the port of a device over all periods that have ended [J]; positive to the hand."""
+    """Energy at the port of a device over all completed periods [J]; positive to the hand."""
 
     port_work: float
-    """Work of the held force on the device as it was measured."""
+    """Work of the held force over the measured motion of the device."""
     held: float
     """Work of the mean force of its contacts on the device."""
 
 
 class EngineContact(Fixed, _palpate.EngineContact):
-    """Contacts of tools with bodies that another engine moves: what an adapter for an engine is made of.
+    """Contacts of tools with bodies of another engine: the base class of engine adapters.
 
-    A period is
+    One period:
 
         contact.sample(position)
         for _ in range(steps):
-            wrenches = contact.meet(h, rows)  # a row for each body, as it is now
+            wrenches = contact.meet(h, rows)  # a row for each body, with its current state
             ...                               # the engine holds each wrench on its body over a step of h
         force = contact.hold()
 
     Args:
-        tools: Radius of each tool [m], at most 1, by its name: a sphere, or a point of radius 0.
-        bodies: What may be touched.
+        tools: Radius of each tool [m], at most 1, by name: a sphere, or a point of radius 0.
+        bodies: Bodies that the tools may touch.
         period: Time from sample to sample [s].
-        device_mass: Effective mass of each device, right within a factor of 2 [kg]: one number for all, or three
+        device_mass: Effective mass of each device, accurate within a factor of 2 [kg]: one number for all, or three
             for the axes, or a row of three for each device.
         stiffness: K of every contact [N/m].
         damping: Material damping B [N s/m].
@@ -106,17 +106,17 @@ class EngineContact(Fixed, _palpate.EngineContact):
         friction_stiffness: Stiffness of the bristle of friction [N/m]; `None`: that of the contact.
         friction_damping: Damping of the bristle of friction [N s/m]; `None`: `damping` times `friction_stiffness` over
             `stiffness`.
-        end_velocity: Whether a step moves a body by the velocity at its end, as semi-implicit Euler does, and not by
-            the mean of start and end.
-        encoder_quantum: Quantum of the position sensors [m]; 0: not known to have one.
+        end_velocity: Whether the engine integrates positions with the velocity at the end of a step, as semi-implicit
+            Euler does, instead of the mean of start and end.
+        encoder_quantum: Quantum of the position sensors [m]; 0: unknown or none.
         delay: Time from a sample to the beginning of its force [s].
         lag: Time constant of the actuators [s].
-        gain: Delivered over commanded force.
-        force_limit: Largest length of the force on each device [N]; `math.inf`: no limit.
-        soft_start: Time over which a force comes in where a start or a recovery finds contact, at most 60 [s].
+        gain: Ratio of delivered to commanded force.
+        force_limit: Largest magnitude of the force on each device [N]; `math.inf`: no limit.
+        soft_start: Duration of the force ramp if a start or a recovery begins in contact [s], at most 60.
 
     Raises:
-        ValueError: Everything that is wrong, a line for each.
+        ValueError: Arguments are not allowed; the message has a line for each.
     """
 
     _tools: list[str]
@@ -179,14 +179,14 @@ class EngineContact(Fixed, _palpate.EngineContact):
         return made
 
     def sample(self, position: ArrayLike, elapsed: float | None = None) -> None:
-        """A period begins: takes a sample of all devices.
+        """Begins a period: takes a sample of all devices.
 
         Args:
-            position: Position of the device [m], three numbers; of several devices a row for each.
+            position: Position of the device [m], three numbers; for several devices a row for each.
             elapsed: Measured time since the last sample [s]; `None`: one period.
 
         Raises:
-            ValueError: Not three numbers for each device.
+            ValueError: The position is not three numbers for each device.
         """
         given = numbers("position", position)
         count = len(self._tools)
@@ -196,36 +196,36 @@ class EngineContact(Fixed, _palpate.EngineContact):
         self.take(given.reshape(count, 3), elapsed)
 
     def meet(self, h: float, bodies: ArrayLike) -> NDArray[np.float64]:
-        """A step of the engine.
+        """Computes the contact wrenches for one step of the engine.
 
         Args:
             h: Length of the step [s]. The steps of a period add up to the time until the next sample.
-            bodies: A row for each body, as `body_row` makes it, as the body is at the beginning of the step. A row with
-                NaN says that nothing is known of the state: `hold` then answers 0 and names a fault.
+            bodies: A `body_row` for each body, with its state at the beginning of the step. NaN in a row marks an
+                unknown state: `hold` then returns 0 and sets a fault.
 
         Returns:
-            A row for each body: the force and the torque about its mass centre to hold on it over the step [N], [N m].
+            A row for each body: the force [N] and the torque about its centre of mass [N m] to hold over the step.
 
         Raises:
-            ValueError: No sample of this period, a step that is not finite and above 0, or not a row for each body.
+            ValueError: The period has no sample, the step is not finite and above 0, or `bodies` has the wrong shape.
         """
         return super().meet(h, numbers("bodies", bodies))
 
     def hold(self) -> NDArray[np.float64]:
-        """The period ends: the force on the device [N], three numbers, to hold until the next; of several devices
-        a row for each. After a sample or a state that cannot be used it is 0, and `output.fault` says why."""
+        """Ends the period and returns the force on the device to hold until the next [N], three numbers; for several
+        devices a row for each. After an invalid sample or state it is 0, and `output.fault` has the reason."""
         forces = self.answer()
         return forces[0] if len(self._tools) == 1 else forces
 
     def report_sent(self, force: ArrayLike, tool: str | None = None) -> None:
-        """Says what was really sent for the last sample, where that is not what `hold` answered.
+        """Reports the force that was actually sent for the last sample, if it differs from the result of `hold`.
 
         Args:
             force: Force on the device [N], three numbers.
-            tool: Name of the tool; not needed where there is one.
+            tool: Name of the tool; optional for a single tool.
 
         Raises:
-            ValueError: No such tool, not three numbers, or one that is not finite.
+            ValueError: The tool does not exist, or the force is not three finite numbers.
         """
         name = self._tools[0] if tool is None and len(self._tools) == 1 else tool
         if name not in self._tools:
@@ -236,12 +236,12 @@ class EngineContact(Fixed, _palpate.EngineContact):
         self.tell_sent(self._tools.index(name), given.tolist())
 
     def reset(self) -> None:
-        """Begins anew: nothing sampled, nothing touched, the books empty. For after the engine was reset."""
+        """Resets samples, contacts and energy ledger. Call it after a reset of the engine."""
         self.forget()
 
     @property
     def output(self) -> EngineOutput | None:
-        """What was answered to the last sample; `None` before the first."""
+        """Result of the last sample; `None` before the first."""
         result = self.result()
         if result is None:
             return None
@@ -250,7 +250,7 @@ class EngineContact(Fixed, _palpate.EngineContact):
 
     @property
     def devices(self) -> dict[str, ToolState]:
-        """What is known of each tool's device at the last sample, by the tool's name."""
+        """Estimated state of the device of each tool at the last sample, by the name of the tool."""
         states = {}
         for name, (vectors, mass) in zip(self._tools, self.tools_now()):
             known = None if mass is None else np.array(mass)
@@ -259,7 +259,7 @@ class EngineContact(Fixed, _palpate.EngineContact):
 
     @property
     def contacts(self) -> tuple[PointOfContact, ...]:
-        """Each point at which a tool may touch a body, whether it does or not: a tool with each shape."""
+        """State of each potential contact point: each tool with each shape."""
         return tuple(
             PointOfContact(
                 (self._tools[tool], self._bodies[body]), mode, np.array(point), np.array(normal), depth, np.array(force)
@@ -269,7 +269,7 @@ class EngineContact(Fixed, _palpate.EngineContact):
 
     @property
     def ledger(self) -> tuple[tuple[ContactLedger, ...], dict[str, PortLedger]]:
-        """The books of energy: of each point of contact, in the order of `contacts`, and of each device."""
+        """Energy ledger: of each contact point, in the order of `contacts`, and of each device."""
         contacts, devices = self.ledger_now()
         between = (contact.between for contact in self.contacts)
         return (
@@ -278,11 +278,11 @@ class EngineContact(Fixed, _palpate.EngineContact):
         )
 
     def __reduce__(self) -> NoReturn:
-        raise TypeError("contacts with an engine have a state, and are not pickled")
+        raise TypeError("contacts with an engine have a state and cannot be pickled")
 
 
 def bristle_damping(stiffness: float, damping: float, friction_stiffness: float, given: float | None) -> float:
-    """Damping of the bristle of friction [N s/m]: the given one, or that of a material that damps both directions alike."""
+    """Returns the damping of the bristle of friction [N s/m]. Default: that of a material with isotropic damping."""
     if given is not None:
         return given
     try:
@@ -292,11 +292,11 @@ def bristle_damping(stiffness: float, damping: float, friction_stiffness: float,
 
 
 LARGEST_RADIUS = 1.0
-"""Radius of a tool that is taken for a mistake above this [m]."""
+"""Largest plausible radius of a tool [m]."""
 
 
 def radius(given: Any, way: str = "") -> float:
-    """The radius of a tool [m]. A whole number is refused, since it is the number of a geom or a body.
+    """Checks the radius of a tool [m]. A whole number is rejected: it is probably the number of a geom or a body.
 
     Raises:
         ValueError: The value is not a radius; `way` names the alternative.
@@ -307,7 +307,7 @@ def radius(given: Any, way: str = "") -> float:
     if isinstance(given, (bool, np.bool_)) or not isinstance(given, (int, float, np.integer, np.floating)):
         raise ValueError(f"tool is {given!r}, but {allowed}")
     if isinstance(given, (int, np.integer)) and given != 0:
-        raise ValueError(f"tool is {given!r}, a whole number as a geom or a body has, but {allowed}")
+        raise ValueError(f"tool is {given!r}, a whole number like that of a geom or a body, but {allowed}")
     if not 0 <= given <= LARGEST_RADIUS:
         raise ValueError(f"tool is {given!r}, but {allowed}")
     return float(given)
@@ -333,19 +333,19 @@ def body_row(
     angular_acceleration: Any,
     mobility: Any,
 ) -> NDArray[np.float64]:
-    """The row of a body for `EngineContact.meet`, along the axes of the world.
+    """Creates the state row of a body for `EngineContact.meet`, in the world frame.
 
     Args:
-        position: Of the reference point [m], about which the engine takes torques.
+        position: Position of the reference point [m], to which the engine refers torques.
         orientation: Unit quaternion [w, x, y, z].
-        velocity: Of the reference point [m/s].
-        angular_velocity: [rad/s].
-        acceleration: Of the reference point by everything but the contacts [m/s^2].
-        angular_acceleration: By everything but the contacts [rad/s^2].
-        mobility: What a wrench does to these accelerations: 6 rows of 6, columns force [N] and torque [N m].
+        velocity: Velocity of the reference point [m/s].
+        angular_velocity: Angular velocity [rad/s].
+        acceleration: Acceleration of the reference point without the contacts [m/s^2].
+        angular_acceleration: Angular acceleration without the contacts [rad/s^2].
+        mobility: Derivative of these accelerations by a wrench: 6 rows of 6, columns force [N] and torque [N m].
 
     Raises:
-        ValueError: An argument with another number of numbers.
+        ValueError: An argument has the wrong length.
     """
     parts = [position, orientation, velocity, angular_velocity, acceleration, angular_acceleration, mobility]
     made = [np.ravel(part) for part in parts]

@@ -1,4 +1,4 @@
-"""A device that is simulated: for examples, tests, and where a mouse takes its place."""
+"""Simulated device for examples, tests and mouse input."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from .._fixed import Fixed, question_period
 
 
 class SimulatedDevice(Fixed):
-    """A mass along each axis in a hand: m x'' = hand_force + F - stiffness (x - rest) - damping x'.
+    """Point mass along each axis, held by a hand: m x'' = hand_force + F - stiffness (x - rest) - damping x'.
 
-    F is held from sample to sample; the motion between them is exact.
+    F is held from sample to sample; the motion between samples is exact.
 
     Args:
-        mass: Along x, y and z, or one for all [kg].
-        position: At the start, where the device is at rest [m].
-        stiffness: Of the hand's spring [N/m].
-        damping: Of the hand [N s/m].
-        rest: Where the spring pulls to [m]. It may be changed, as `device.rest`: that is where a hand goes.
+        mass: Masses along x, y and z, or one for all [kg].
+        position: Initial position, at rest [m].
+        stiffness: Stiffness of the hand's spring [N/m].
+        damping: Damping of the hand [N s/m].
+        rest: Rest position of the spring [m]. Assign `device.rest` to move the hand.
         hand_force: Constant force of the hand [N].
         period: Time from sample to sample [s].
 
     Raises:
-        ValueError: An argument, named, is not finite, not three numbers, or negative where it must not be.
+        ValueError: An argument is not finite, has the wrong shape or is negative; the message names it.
     """
 
     _settable: ClassVar[frozenset[str]] = frozenset({"position", "velocity", "rest", "hand_force"})
     _way: ClassVar[str] = "make another one; position, velocity, rest and hand_force may be set"
 
     position: NDArray[np.float64]
-    """Where it is [m]."""
+    """Position [m]."""
     velocity: NDArray[np.float64]
-    """Its velocity [m/s]."""
+    """Velocity [m/s]."""
     rest: NDArray[np.float64]
-    """Where the hand's spring pulls to [m]."""
+    """Rest position of the hand's spring [m]."""
     hand_force: NDArray[np.float64]
     """Constant force of the hand [N]."""
 
@@ -78,10 +78,10 @@ class SimulatedDevice(Fixed):
         super().__setattr__(name, _three(name, value).copy() if name in self._settable else value)
 
     def hold(self, force: ArrayLike) -> None:
-        """Moves on by a period under a held force [N].
+        """Advances the device by a period under a held force [N].
 
         Raises:
-            ValueError: Not three numbers that are finite.
+            ValueError: The force is not three finite numbers.
         """
         given = self.hand_force + _three("force", force)
         state = np.stack([self.position - known("rest", self.rest), self.velocity, given], axis=1)
@@ -98,7 +98,7 @@ def _three(name: str, given: ArrayLike) -> NDArray[np.float64]:
 
 
 def _exponential(rates: ArrayLike, h: float) -> NDArray[np.float64]:
-    """exp(rates h), by its series over a small part of h, squared."""
+    """Computes exp(rates h) by its series for a fraction of h and repeated squaring."""
     halvings = 8
     part = np.asarray(rates, dtype=np.float64) * (h / 2**halvings)
     sum_, term = np.eye(3), np.eye(3)

@@ -1,4 +1,4 @@
-"""`LowRateSimulator`: an engine that steps more slowly than the loop, and what it publishes to that loop."""
+"""`LowRateSimulator`: an engine at a lower rate than the loop, and the local model that it publishes."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from ._contact import BODY_COLUMNS, bristle_damping
 
 
 class SlowContact(NamedTuple):
-    """A place where a sphere, the tool or a part of a body, may touch a surface, with the bodies as they are published.
+    """Potential contact of a sphere (the tool, or a part of a body) with a surface, for the published body states.
 
-    The surface is a plane or, with a curvature, a sphere. It is fixed to its body, and has no end.
+    The surface is an unbounded plane or, with a curvature, a sphere. It is fixed to its body.
     """
 
     place: Sequence[float]
-    """A point of the surface, as a rule the one that is nearest to the sphere [m]."""
+    """Point on the surface, usually the one nearest to the sphere [m]."""
     normal: Sequence[float]
-    """Unit vector out of the surface there."""
+    """Outward unit normal of the surface at this point."""
     stiffness: float
     """K of the contact [N/m]."""
     on: int | None = None
-    """Number of the body whose surface it is; `None`: something that never moves."""
+    """Number of the body with the surface; `None`: a fixed surface."""
     curvature: float = 0.0
     """Curvature of the surface [1/m]: 1/r of a ball of radius r, -1/r of the inside of one, 0 of a plane."""
     damping: float = 0.0
@@ -39,12 +39,12 @@ class SlowContact(NamedTuple):
     friction_damping: float | None = None
     """Damping of the bristle of friction [N s/m]; `None`: `damping` times `friction_stiffness` over `stiffness`."""
     body: int | None = None
-    """Number of the body whose sphere touches; `None`: the tool does. A contact between bodies is computed by the host, and by
-    the loop between two models."""
+    """Number of the body with the sphere; `None`: the tool. The host computes a contact between bodies; the loop
+    computes it between two models."""
     centre: Sequence[float] = (0.0, 0.0, 0.0)
-    """Of a body's sphere: its centre [m]."""
+    """Centre of a body's sphere [m]."""
     radius: float = 0.0
-    """Of a body's sphere: its radius [m]; 0 for a corner."""
+    """Radius of a body's sphere [m]; 0 for a corner."""
 
     def _values(self, number: int) -> tuple[Any, ...]:
         for name, body in (("on", self.on), ("body", self.body)):
@@ -65,43 +65,43 @@ class SlowContact(NamedTuple):
 
 
 class BodyImpulse(NamedTuple):
-    """What the tool gave to a body since the start."""
+    """Impulse of the tool on a body since the start."""
 
     linear: Vector
-    """Impulse [N s]."""
+    """Linear impulse [N s]."""
     angular: Vector
-    """Its moment about the body's reference point [N m s]."""
+    """Angular impulse about the body's reference point [N m s]."""
 
 
 class SlowProgress(NamedTuple):
-    """How far a loop has come: what a host needs for its next step."""
+    """Progress of a loop: the input of the host's next step."""
 
     tick: int
-    """Periods that have passed: those that the loop has rendered, and those that it has missed."""
+    """Number of elapsed periods, rendered and missed."""
     period: float
     """Time from sample to sample [s]."""
     position: Vector
-    """Where the tool's proxy is [m]: where the host looks for what the tool may touch."""
+    """Position of the tool's proxy [m]; the host searches for contacts around it."""
     velocity: Vector
-    """Its velocity [m/s]."""
+    """Velocity of the tool's proxy [m/s]."""
     impulses: tuple[BodyImpulse, ...]
-    """What the tool gave to each body since the start."""
+    """Impulse of the tool on each body since the start."""
     copies: tuple[Vector, ...]
-    """Where the loop's copy of each body is [m]."""
+    """Position of the loop's copy of each body [m]."""
     model_tick: int | None
     """Tick of the newest model; `None` before the first."""
     is_stale: bool
-    """Whether the contacts fade, or have faded, because there is no model or it is too old."""
+    """Whether the contacts fade, or have faded, because the model is missing or too old."""
     refusal: str | None
-    """Why the last model that came was not taken; `None` where it was."""
+    """Reason for rejecting the last published model; `None` if it was accepted."""
 
     def time_since(self, earlier: SlowProgress) -> float:
-        """Time from an earlier progress to this one [s]: what the host steps over."""
+        """Returns the time from an earlier progress to this one [s], which is the host's next step."""
         return max(self.tick - earlier.tick, 0) * self.period
 
     def wrench_since(self, earlier: SlowProgress, body: int) -> NDArray[np.float64]:
-        """The mean force [N] and torque about the reference point [N m] of the tool on a body from an earlier progress to this
-        one, six numbers: what the host holds over its step. 0 where no time has passed."""
+        """Returns the mean force [N] and the mean torque about the reference point [N m] of the tool on a body from an
+        earlier progress to this one, six numbers, for the host to hold over its step. 0 if no time has passed."""
         time = self.time_since(earlier)
         now, before = self.impulses[body], earlier.impulses[body]
         if time <= 0.0:
@@ -110,7 +110,7 @@ class SlowProgress(NamedTuple):
 
 
 class LowRateSimulator(Fixed, _palpate.LowRateSimulator):
-    """A game or an engine at 20 to 200 Hz, whose bodies a `palpate.Loop` at 1 kHz renders.
+    """Game or engine at 20 to 200 Hz whose bodies a `palpate.Loop` renders at 1 kHz.
 
         host = palpate.engines.LowRateSimulator(period=0.001, device_mass=0.15, tool_radius=0.01, bodies=1, contacts=2)
         with palpate.Loop(device, host):
@@ -121,29 +121,30 @@ class LowRateSimulator(Fixed, _palpate.LowRateSimulator):
                 host.publish(progress, [palpate.engines.body_row(...)], [palpate.engines.SlowContact(...)])
                 before = progress
 
-    Between two models the loop goes on by itself: copies of the bodies move, and meet the tool. Neither side waits for the other.
-    `docs/engines.md` has what is done with each new model, how good it is, and where it fails.
+    Between two models the loop simulates copies of the bodies and their contact with the tool. Neither side waits for
+    the other. `docs/engines.md` describes the handling of a new model, its accuracy and its limits.
 
     Args:
         period: Time from sample to sample of the loop [s].
-        device_mass: Effective mass of the device, right within a factor of 2 [kg]: one number, or three for the axes.
+        device_mass: Effective mass of the device [kg], accurate within a factor of 2: one number, or one per axis.
         tool_radius: Radius of the tool [m]: a sphere, or a point of radius 0.
-        bodies: How many bodies each model has, at most 16. They are called by their numbers, from 0.
-        contacts: How many contacts a model has at most, 1 to 64.
-        position: Where in the host's world a real device begins [m]; a pointer and a simulated one begin where their `World` says.
-        stale_after: Age of a model from which the contacts fade [s]: 1 to 1000 periods.
-        fade: Time in which they do [s].
-        settle: Time in which a changed contact comes in [s].
-        return_time: Time constant with which a copy goes back to the host's body [s].
-        encoder_quantum: Quantum of the position sensors [m]; 0: not known to have one.
+        bodies: Number of bodies of each model, at most 16. Bodies are numbered from 0.
+        contacts: Largest number of contacts of a model, 1 to 64.
+        position: Initial position of a real device in the host's world [m]. Pointers and simulated devices start at the
+            position in their `World`.
+        stale_after: Age of a model at which the contacts begin to fade [s]: 1 to 1000 periods.
+        fade: Duration of the fading [s].
+        settle: Time over which a changed contact is blended in [s].
+        return_time: Time constant with which a copy returns to the host's body [s].
+        encoder_quantum: Quantum of the position sensors [m]; 0: unknown or none.
         delay: Time from a sample to the beginning of its force [s].
         lag: Time constant of the actuators [s].
-        gain: Delivered over commanded force.
-        force_limit: Largest length of the force [N]; `math.inf`: that of the device.
-        soft_start: Time over which a force comes in where a start or a recovery finds contact, at most 60 [s].
+        gain: Ratio of delivered to commanded force.
+        force_limit: Largest magnitude of the force [N]; `math.inf`: that of the device.
+        soft_start: Duration of the force ramp if a start or a recovery begins in contact [s], at most 60.
 
     Raises:
-        ValueError: Everything that is wrong, a line for each.
+        ValueError: Arguments are not allowed; the message has a line for each.
     """
 
     def __new__(
@@ -181,10 +182,10 @@ class LowRateSimulator(Fixed, _palpate.LowRateSimulator):
 
     @property
     def progress(self) -> SlowProgress:
-        """How far the loop has come, as of its last tick.
+        """Progress of the loop at its last tick.
 
         Raises:
-            RuntimeError: No loop was made with this host.
+            RuntimeError: The simulator is not in a loop.
         """
         (tick, period, is_stale, model_tick, refusal), (position, velocity), bodies = self.progress_now()
         return SlowProgress(
@@ -205,19 +206,19 @@ class LowRateSimulator(Fixed, _palpate.LowRateSimulator):
         bodies: Sequence[ArrayLike],
         contacts: Sequence[SlowContact | None],
     ) -> None:
-        """Publishes bodies and contacts that have all impulses of a progress in them. The loop renders by them from its next tick on.
+        """Publishes bodies and contacts that include all impulses of a progress, for use from the next tick on.
 
-        What the loop refuses of it, such as a model that is too old, the next `progress` says.
+        If the loop rejects the model, for example because it is too old, the next `progress` has the reason.
 
         Args:
             progress: The progress up to whose tick the host has stepped.
             bodies: A `palpate.engines.body_row` for each body.
-            contacts: Where the tool may touch something, and where bodies touch each other. A place in the list that stays the same from
-                model to model is the same contact, which goes over to what is new of it; `None`: nothing there.
+            contacts: Potential contacts of the tool, and contacts between bodies. A contact is identified by its index;
+                changes from model to model are blended. `None`: no contact.
 
         Raises:
-            ValueError: Everything that is wrong with them, by their numbers; the model before stays then.
-            RuntimeError: No loop was made with this host, or its loop has ended.
+            ValueError: Bodies or contacts are not valid; the message has their numbers, and the previous model stays.
+            RuntimeError: The simulator is not in a loop, or its loop has ended.
         """
         for number, contact in enumerate(contacts):
             if contact is not None and not isinstance(contact, SlowContact):
@@ -233,7 +234,7 @@ class LowRateSimulator(Fixed, _palpate.LowRateSimulator):
         self.publish_model(progress.tick, np.require(given, float, ["C", "A"]), given_contacts)
 
     def __reduce__(self) -> NoReturn:
-        raise TypeError("a LowRateSimulator belongs to a Loop and is not pickled")
+        raise TypeError("a LowRateSimulator belongs to a Loop and cannot be pickled")
 
 
 def _one(name: str, given: float) -> float:

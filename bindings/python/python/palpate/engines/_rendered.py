@@ -1,4 +1,4 @@
-"""The tool of a scene in a loop, in `palpate.engines.table`: what pushes it is an engine's own contact, or palpate's."""
+"""Closed loops of `palpate.engines.table`: a tool with the engine's own contact, or with that of palpate."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ Vector = NDArray[np.float64]
 
 
 class Stepped(Protocol):
-    """palpate's contact with the bodies of an engine, with the engine's own loop."""
+    """palpate's contact with the bodies of an engine; it steps the engine."""
 
     def step(self, position: ArrayLike, elapsed: float | None = None) -> Vector:
-        """Steps the engine through a period; the force on the device at `position` [m] to hold over it [N]."""
+        """Steps the engine through a period and returns the force on the device to hold over it [N]."""
 
 
 def by_engine(
     scene: Scene, steps: int, samples: int, moves: bool, step: Callable[[Vector], Vector]
 ) -> tuple[NDArray[np.float64], float]:
-    """Forces of the engine's own contact on the tool [N], one for each sample, and the time of a step [s]. `step` puts the
-    tool at a place [m], makes a step of the engine and gives the force on the tool in it [N]; a sample's force is their
-    mean. `moves`: over a period the tool goes on as it did over the last."""
+    """Computes the forces of the engine's own contact on the tool [N], one per sample, and the time of a step [s].
+
+    `step` moves the tool to a position [m], steps the engine and returns the force on the tool in this step [N]; the
+    force of a sample is the mean over its steps. `moves`: the tool continues its last motion over the period."""
     device = scene.device()
     forces, times = np.zeros((samples, 3)), []
     last = device.position
@@ -47,8 +48,9 @@ def by_engine(
 def by_palpate(
     scene: Scene, steps: int, samples: int, model: float, contact: Callable[..., Stepped]
 ) -> tuple[NDArray[np.float64], float]:
-    """Forces of palpate's contact on the tool [N], one for each sample, and the time of a step of the engine [s]. `contact`
-    makes the contact of its law; `model` is the mass of the device as palpate is told, over the true one."""
+    """Computes the forces of palpate's contact on the tool [N], one per sample, and the time of an engine step [s].
+
+    `contact` creates the contact from its law; `model` is the model mass of the device over the true mass."""
     law: dict[str, Any] = {
         "stiffness": scene.stiffness,
         "device_mass": model * np.array(DEVICE_MASS),

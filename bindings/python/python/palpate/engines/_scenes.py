@@ -1,4 +1,4 @@
-"""The scenes of `palpate.engines.table`, and how forces are judged there."""
+"""Scenes of `palpate.engines.table`, and the evaluation of forces."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ RATES = ((0.01, 400.0), (0.004, 1500.0), (0.001, 4000.0))
 
 
 class Law(NamedTuple):
-    """A spring and a damper between two that touch."""
+    """Spring and damper of a contact."""
 
     stiffness: float
     """[N/m]"""
@@ -33,31 +33,31 @@ class Law(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """A scene, as the judge has it, and what an engine has to be made of."""
+    """Scene: the world of the reference solution, and the parameters of the engine's model."""
 
     name: str
     world: World
     shape: str
-    """Of the body: a `sphere` of the radius HALF, or a `box` of that half-extent."""
+    """Shape of the body: a `sphere` of the radius HALF, or a `box` of that half-extent."""
     place: tuple[float, float, float]
-    """Of the body at the start [m]."""
+    """Initial position of the body [m]."""
     floor: Law | None
-    """Of body and floor, the plane z = 0, where there is a floor."""
+    """Contact law of body and floor, the plane z = 0, if there is a floor."""
     tool_radius: float
     start: tuple[float, float, float]
     hand_force: tuple[float, float, float]
     rest: tuple[float, float, float]
     stiffness: float
-    """Of tool and body [N/m]."""
+    """Stiffness of tool and body [N/m]."""
     period: float
 
     def device(self) -> SimulatedDevice:
-        """The device in its hand."""
+        """Creates the device in its hand."""
         return SimulatedDevice(DEVICE_MASS, self.start, *HAND, self.rest, self.hand_force, self.period)
 
 
 def scenes(period: float, stiffness: float) -> list[Scene]:
-    """The scenes at a period [s], with this stiffness of the tool's contact [N/m]."""
+    """Returns the scenes for a period [s] and a stiffness of the tool's contact [N/m]."""
     floor_stiffness = 2 * stiffness
     floor_damping = 0.3 * math.sqrt(floor_stiffness * BODY_MASS)
     resting = HALF - GRAVITY * BODY_MASS / floor_stiffness
@@ -109,7 +109,7 @@ def scenes(period: float, stiffness: float) -> list[Scene]:
 
 
 def evaluated(forces: NDArray[np.float64], ideal: WorldRuns) -> tuple[float, float]:
-    """E [%] and FRE over the hold bound of the forces that were held on the device, a row for each period."""
+    """Returns E [%] and FRE over the hold bound of the held forces on the device, which have a row per period."""
     floor = ideal["methods"][0].sum.hold_bound_percent / 100
     weight = 1 / np.array(DEVICE_MASS)
     means = ideal.ideal[0]

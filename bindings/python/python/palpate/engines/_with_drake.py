@@ -1,4 +1,4 @@
-"""Drake in `palpate.engines.table`: its own contact of the tool, and palpate's."""
+"""Drake in `palpate.engines.table`: its own contact of the tool, and that of palpate."""
 
 from __future__ import annotations
 
@@ -34,27 +34,27 @@ from pydrake.systems.framework import Context, DiagramBuilder  # noqa: E402  iso
 
 VERSION = f"Drake {version('drake')}"
 INTEGRATORS = ("sap",)
-"""How a discrete plant approximates contacts; of its ways this one has a spring and a damper that are linear."""
+"""Contact approximation of a discrete plant with a linear spring and damper."""
 _HARD = 1e12
-"""Stiffness of what gives way nowhere [N/m]: Drake adds up the inverses of two that touch."""
+"""Stiffness of a rigid side [N/m]: Drake adds the compliances of the two sides."""
 _HEAVY = 1e6
 """Mass of the engine's own tool, which no contact moves [kg]."""
 
 
 class Made(NamedTuple):
-    """A scene in Drake."""
+    """Scene in Drake."""
 
     simulator: Simulator
     plant: MultibodyPlant
     own: Context
-    """The plant's."""
+    """Context of the plant."""
     body: Any
     tool: Any
-    """The engine's own; `None` where palpate renders it."""
+    """Tool body of the engine; `None` if palpate renders it."""
 
 
 def _material(law: Law) -> ProximityProperties:
-    """A spring and a damper."""
+    """Creates the contact material of a spring and a damper."""
     properties = ProximityProperties()
     AddContactMaterial(properties, point_stiffness=law.stiffness, friction=CoulombFriction(0, 0))
     # Damping over stiffness. Drake adds the values of the two bodies in contact.
@@ -63,14 +63,13 @@ def _material(law: Law) -> ProximityProperties:
 
 
 def _apart(scene_graph: SceneGraph, some: list[GeometryId], others: list[GeometryId]) -> None:
-    """Takes contacts between some shapes and others out of the engine."""
+    """Excludes contacts between two sets of shapes from the engine."""
     excluded = CollisionFilterDeclaration().ExcludeBetween(GeometrySet(some), GeometrySet(others))
     scene_graph.collision_filter_manager().Apply(excluded)
 
 
 def _engine(scene: Scene, steps: int, integrator: str, damping: float | None = None) -> Made:
-    """The engine's bodies; `damping` is that of the engine's own contact of the tool [N s/m], which is there where it is
-    given."""
+    """Creates the engine's bodies. `damping`: that of the engine's own contact of the tool [N s/m]; `None`: no tool."""
     h = scene.period / steps
     config = MultibodyPlantConfig(
         time_step=h,
@@ -127,8 +126,8 @@ def _engine(scene: Scene, steps: int, integrator: str, damping: float | None = N
 def with_engine(
     scene: Scene, steps: int, integrator: str, damping: float, samples: int, moves: bool = False
 ) -> tuple[NDArray[np.float64], float]:
-    """Forces of the engine's own contact, and the time of a step [s]. `moves`: over a period the tool goes on as it did
-    over the last."""
+    """Computes the forces of the engine's own contact, and the time of a step [s]. `moves`: the tool continues its last
+    motion over the period."""
     simulator, plant, own, body, tool = _engine(scene, steps, integrator, damping)
     results = plant.get_contact_results_output_port()
     h = scene.period / steps
@@ -155,8 +154,8 @@ def with_engine(
 
 
 def with_palpate(scene: Scene, steps: int, integrator: str, mass_factor: float, samples: int) -> tuple[NDArray[np.float64], float]:
-    """Forces of palpate's contact in the same engine, and the time of a step [s]. `mass_factor` is the model value of the device mass as
-    palpate is told, over the true one."""
+    """Computes the forces of palpate's contact in the same engine, and the time of a step [s]. `mass_factor` is the
+    model value of the device mass over the true mass."""
     engine = _engine(scene, steps, integrator)
     contact = partial(Contact, engine.simulator, engine.plant, tool=scene.tool_radius, bodies=["body"])
     return by_palpate(scene, steps, samples, mass_factor, contact)

@@ -1,4 +1,4 @@
-"""MuJoCo in `palpate.engines.table`: its own contact of the tool, and palpate's."""
+"""MuJoCo in `palpate.engines.table`: its own contact of the tool, and that of palpate."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ import mujoco  # noqa: E402  isort: skip
 
 VERSION = f"MuJoCo {mujoco.__version__}"
 INTEGRATORS = ("RK4", "Euler", "implicitfast")
-"""The first is the usual one."""
+"""Integrators; the first is the default."""
 
 
 def _spring(stiffness: float, damping: str, shares: int = 1) -> str:
-    """MuJoCo's contact as a spring and a damper between a body of BODY_MASS and what is fixed: an impedance near 0
-    takes the inertia out of its law."""
+    """Returns MuJoCo's contact parameters of a spring and a damper between a body of BODY_MASS and a fixed body. An
+    impedance near 0 removes the inertia from the contact law."""
     return f'solref="{-stiffness / BODY_MASS / shares} {damping}" solimp="1e-4 1e-4 0.001 0.5 2"'
 
 
 def model(scene: Scene, steps: int, integrator: str, damping: float = 0.0) -> mujoco.MjModel:
-    """The engine's model; `damping` is that of the engine's own contact of the tool [N s/m]."""
+    """Creates the engine's model. `damping` is that of the engine's own contact of the tool [N s/m]."""
     floor = ""
     if scene.floor is not None:
         # The engine has one contact at each corner of a box that lies flat.
@@ -48,8 +48,8 @@ def model(scene: Scene, steps: int, integrator: str, damping: float = 0.0) -> mu
 def with_engine(
     scene: Scene, steps: int, integrator: str, damping: float, samples: int, moves: bool = False
 ) -> tuple[NDArray[np.float64], float]:
-    """Forces of the engine's own contact, and the time of a step [s]. `moves`: over a period the tool goes on as it did
-    over the last."""
+    """Computes the forces of the engine's own contact, and the time of a step [s]. `moves`: the tool continues its last
+    motion over the period."""
     made = model(scene, steps, integrator, damping)
     data = mujoco.MjData(made)
     tool, wrench = mujoco.mj_name2id(made, mujoco.mjtObj.mjOBJ_GEOM, "tool"), np.zeros(6)
@@ -70,8 +70,8 @@ def with_engine(
 
 
 def with_palpate(scene: Scene, steps: int, integrator: str, mass_factor: float, samples: int) -> tuple[NDArray[np.float64], float]:
-    """Forces of palpate's contact in the same engine, and the time of a step [s]. `mass_factor` is the model value of the device mass as
-    palpate is told, over the true one."""
+    """Computes the forces of palpate's contact in the same engine, and the time of a step [s]. `mass_factor` is the
+    model value of the device mass over the true mass."""
     made = model(scene, steps, integrator)
     contact = partial(Contact, made, mujoco.MjData(made), tool="tool", bodies=["body"])
     return by_palpate(scene, steps, samples, mass_factor, contact)

@@ -1,4 +1,4 @@
-"""PyBullet in `palpate.engines.table`: its own contact of the tool, and palpate's."""
+"""PyBullet in `palpate.engines.table`: its own contact of the tool, and that of palpate."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from .pybullet import Contact
 # After palpate.engines.pybullet, whose import error explains how to install PyBullet.
 import pybullet  # noqa: E402  isort: skip
 
-VERSION = f"PyBullet, its interface {pybullet.getAPIVersion()}"
+VERSION = f"PyBullet, API version {pybullet.getAPIVersion()}"
 INTEGRATORS = ("Euler",)
-"""Bullet has one: velocities first, then places by the new velocities."""
+"""Bullet has one integrator, semi-implicit Euler."""
 _BASE = -1
 
 
 @contextmanager
 def _engine(scene: Scene, steps: int) -> Iterator[tuple[int, int]]:
-    """A client with body and floor, and the number of the body."""
+    """Creates a client with body and floor, and yields the client and the number of the body."""
     client = pybullet.connect(pybullet.DIRECT)
     try:
         pybullet.setTimeStep(scene.period / steps, physicsClientId=client)
@@ -60,8 +60,8 @@ def _engine(scene: Scene, steps: int) -> Iterator[tuple[int, int]]:
 def with_engine(
     scene: Scene, steps: int, integrator: str, damping: float, samples: int, moves: bool = False
 ) -> tuple[NDArray[np.float64], float]:
-    """Forces of the engine's own contact, and the time of a step [s]. `moves`: over a period the tool goes on as it did
-    over the last."""
+    """Computes the forces of the engine's own contact, and the time of a step [s]. `moves`: the tool continues its last
+    motion over the period."""
     with _engine(scene, steps) as (client, body):
         shape = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=scene.tool_radius, physicsClientId=client)
         tool = pybullet.createMultiBody(0, shape, basePosition=scene.start, physicsClientId=client)
@@ -81,8 +81,8 @@ def with_engine(
 
 
 def with_palpate(scene: Scene, steps: int, integrator: str, mass_factor: float, samples: int) -> tuple[NDArray[np.float64], float]:
-    """Forces of palpate's contact in the same engine, and the time of a step [s]. `mass_factor` is the model value of the device mass as
-    palpate is told, over the true one."""
+    """Computes the forces of palpate's contact in the same engine, and the time of a step [s]. `mass_factor` is the
+    model value of the device mass over the true mass."""
     with _engine(scene, steps) as (client, body):
         contact = partial(Contact, client, tool=scene.tool_radius, bodies=[body])
         return by_palpate(scene, steps, samples, mass_factor, contact)

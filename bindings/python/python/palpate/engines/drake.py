@@ -8,9 +8,9 @@
     while True:
         force = contact.step(position)  # reads your device, steps the plant, and gives the force to command
 
-The plant keeps the bodies, with its other contacts, its joints and its robots. Only the contacts of the tool are palpate's.
-Their wrenches are values of the plant's input port `applied_spatial_force`, beside what stands there, and are taken out
-of it after the plant's step.
+The plant simulates the bodies, with its other contacts, joints and robots. palpate renders only the contacts of the
+tool. It adds their wrenches to the values of the plant's input port `applied_spatial_force` and removes them after the
+plant's step.
 """
 
 from __future__ import annotations
@@ -48,37 +48,36 @@ except ImportError as _missing:
 __all__ = ["Contact"]
 
 _FORCE_FIRST = [3, 4, 5, 0, 1, 2]
-"""Drake has rotation before translation, a row of a body the other way round."""
+"""Order of a body row: Drake has rotation before translation."""
 
 
 class Contact(EngineContact):
     """Contacts of a tool with bodies of a discrete `MultibodyPlant`.
 
-    The simulator is advanced by this: a period is one or more of the plant's steps. It is advanced first, with the wrenches
-    that proxies and bodies exert on each other meanwhile, and then the force is known that the device holds while that
-    time passes. What else accelerates a body within a step, the plant is asked beforehand: it solves each step twice, with
-    the last wrenches and with the new ones.
+    The contact advances the simulator: a period is one or more of the plant's steps. First the simulator is advanced
+    with the wrenches between proxies and bodies. This yields the force that the device holds during the same time. The
+    other accelerations of a body within a step come from the plant, which therefore solves each step twice: with the
+    last wrenches and with the new ones.
 
     Args:
-        simulator: Of the diagram that holds the plant.
-        plant: Finalized, discrete, with a scene graph. How it approximates its own contacts is yours.
-        tool: Radius of the tool [m], a sphere that Drake does not know; 0 for a point. Or a body of the plant, or its name,
-            with one sphere for its collisions: then Drake keeps that sphere out of contact with `bodies`, and in contact
-            with everything else; the body goes where the plant moves it. Of several devices a sequence of these.
-        bodies: Names of the bodies that it touches, or the bodies; `"world"` for what is fixed. Of each, all spheres, boxes,
-            capsules, cylinders and half-spaces for collisions count.
+        simulator: Simulator of the diagram that contains the plant.
+        plant: Finalized, discrete plant with a scene graph. It can use any contact approximation.
+        tool: Radius of the tool [m], a sphere unknown to Drake; 0 for a point. Or a body of the plant, or its name,
+            with one sphere as collision shape. Drake then excludes contacts of this sphere with `bodies`, but no
+            others; the plant moves the body. For several devices a sequence of these.
+        bodies: Names of the bodies that the tool touches, or the bodies; `"world"` for fixed geometry. All spheres,
+            boxes, capsules, cylinders, half-spaces and meshes for collisions are used.
         stiffness: K of the contacts [N/m].
-        device_mass: Effective mass of the device, right within a factor of 2 [kg]: one number, or three for its axes;
-            of several devices a row of three for each.
+        device_mass: Effective mass of the device [kg], accurate within a factor of 2: one number, or one per axis; for
+            several devices a row of three for each.
         period: Time from sample to sample [s], a whole number of the plant's time steps. `None`: one step.
-        port: Input port to which the wrenches go. `None`: the plant's `applied_spatial_force`, which then must not be
-            connected; where it is, connect it to an `ExternallyAppliedSpatialForceMultiplexer` and give one of its ports.
-        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `friction_damping`,
-            `encoder_quantum`, `delay`,
-            `lag`, `gain`, `force_limit`, `soft_start`.
+        port: Input port for the wrenches. `None`: the plant's `applied_spatial_force`, which must not be connected. If
+            it is, connect it to an `ExternallyAppliedSpatialForceMultiplexer` and pass one of the multiplexer's ports.
+        others: Arguments of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`,
+            `friction_damping`, `encoder_quantum`, `delay`, `lag`, `gain`, `force_limit`, `soft_start`.
 
     Raises:
-        ValueError: What is wrong, by the names of the plant.
+        ValueError: An argument is not allowed; the message has the names of the plant.
     """
 
     simulator: Simulator
@@ -118,7 +117,9 @@ class Contact(EngineContact):
             if touched.count(body) > 1:
                 raise ValueError(f"bodies names body {body.name()!r} twice")
         if not plant.geometry_source_is_registered():
-            raise ValueError(f"plant {plant.get_name()!r} has no scene graph, so that its bodies have no shapes: see AddMultibodyPlant")
+            raise ValueError(
+                f"plant {plant.get_name()!r} has no scene graph, so its bodies have no shapes: see AddMultibodyPlant"
+            )
         own = plant.GetMyContextFromRoot(simulator.get_context())
         inspector = plant.EvalSceneGraphInspector(own)
         centres = [_centre(body, own) for body in touched]
@@ -161,24 +162,24 @@ class Contact(EngineContact):
     _port: InputPort
     _touched: list[RigidBody]
     _centres: list[NDArray[np.float64]]
-    """Of each body, the point about which wrenches are told, in the body's axes [m]."""
+    """Reference point of the wrenches of each body, in the body frame [m]."""
     _spheres: list[GeometryId]
-    """Of tools that Drake knows."""
+    """Spheres of the tools that are bodies of the plant."""
     _joints: list[Any]
     _actuators: list[Any]
     _excluded: tuple[Any, Any] | None = None
-    """Who keeps Drake's spheres of tools out of contact with bodies, and the number of that."""
+    """Collision filter manager with the exclusion of the tool spheres, and the number of that exclusion."""
     _is_closed: bool = False
     _applied: list[ExternallyAppliedSpatialForce]
-    """What the plant was last told, for each body."""
+    """Last applied force of each body."""
     _wrenches: NDArray[np.float64]
-    """The same, a row for each body: force [N], torque about the centre of mass [N m]."""
+    """Last applied wrenches, a row for each body: force [N], torque about the centre of mass [N m]."""
     _pushes: bool
     _root: Context
-    """The simulator's, when the contexts of plant and port were looked up in it: Drake keeps a note for each time that it
-    is asked for them."""
+    """Context of the simulator at the lookup of the contexts of plant and port. They are stored because Drake records
+    an entry for each lookup."""
     _time: float
-    """The simulator's time to which the last push goes, or after the last pull [s]."""
+    """End of the step of the last push, or simulator time after the last pull [s]."""
 
     def _start(self) -> None:
         count = len(self._touched)
@@ -210,20 +211,20 @@ class Contact(EngineContact):
             self._excluded = (manager, manager.ApplyTransient(excluded))
 
     def step(self, position: ArrayLike, elapsed: float | None = None) -> NDArray[np.float64]:
-        """One period: takes a sample of the devices, advances the simulator by the period, and gives the force on the
-        device [N] to hold over it.
+        """Computes one period: takes a sample of the devices, advances the simulator by the period, and returns the
+        force on the device [N] to hold over it.
 
         Args:
-            position: Position of the device in the axes of the world [m], three numbers; of several devices a row for
-                each.
+            position: Position of the device in the world frame [m], three numbers; for several devices a row for each.
             elapsed: Measured time since the last sample [s]; `None`: one period.
 
         Returns:
-            Three numbers; of several devices a row for each. After a sample that cannot be used they are 0, and
-            `output.fault` says why; the simulator is advanced all the same.
+            Three numbers; for several devices a row for each. After an invalid sample they are 0, and `output.fault`
+            has the reason; the simulator is still advanced.
 
         Raises:
-            ValueError: Not three numbers for each device, or the simulator stands between two steps, or stops within one.
+            ValueError: The position is not three numbers for each device, or the simulator's time is not at the end of
+                a step.
         """
         self.sample(position, elapsed)
         for _ in range(self.steps):
@@ -238,8 +239,8 @@ class Contact(EngineContact):
         return self.hold()
 
     def sample(self, position: ArrayLike, elapsed: float | None = None) -> None:
-        """A period begins: takes a sample of all devices, as `step` does. Where the simulator's time has gone back since the
-        last step, or it has another context, this begins anew as `reset` does."""
+        """Begins a period: takes a sample of all devices, as `step` does. Calls `reset` if the simulator's time has
+        decreased since the last step or if it has another context."""
         if self._is_closed:
             raise ValueError("this Contact is closed: make another one")
         root = self.simulator.get_mutable_context()
@@ -248,8 +249,8 @@ class Contact(EngineContact):
         super().sample(position, elapsed)
 
     def push(self) -> float:
-        """Before a step of the plant: gives it the wrenches of the contacts, beside what stands in its input port. For a
-        program that advances the simulator itself, between `sample` and `hold`:
+        """Adds the wrenches of the contacts to the values of the input port, before a step of the plant. For a program
+        that advances the simulator itself, between `sample` and `hold`:
 
             contact.sample(position)
             for _ in range(contact.steps):
@@ -260,16 +261,18 @@ class Contact(EngineContact):
         Several contacts, each with its own device, may push before a step.
 
         Returns:
-            Time at the end of the step [s], to which the simulator is to be advanced.
+            Time at the end of the step [s]; advance the simulator to it.
         """
         if self._pushes:
-            raise ValueError("push() comes once before each step of the plant, and pull() after it")
+            raise ValueError("call push() once before each step of the plant, and pull() after it")
         self._same_context()
         h = _time_step(self.plant)
         time = float(self._root.get_time())
         number = round(time / h)
         if abs(time - number * h) > 1e-6 * h:
-            raise ValueError(f"the simulator stands at {time} s, but must stand at a whole number of the plant's time steps of {h} s")
+            raise ValueError(
+                f"the simulator's time is {time} s, but must be a whole number of the plant's time steps of {h} s"
+            )
         theirs = self._given()
         try:
             # Apply the last wrenches, so that the plant's other contacts are loaded.
@@ -285,18 +288,18 @@ class Contact(EngineContact):
         return self._time
 
     def pull(self) -> None:
-        """After a step of the plant: takes the wrenches of the contacts out of its input port."""
+        """Removes the wrenches of the contacts from the input port, after a step of the plant."""
         if not self._pushes:
-            raise ValueError("pull() comes after push() and a step of the plant")
+            raise ValueError("call pull() after push() and a step of the plant")
         self._same_context()
         self._take_out()
         due, self._time = self._time, float(self._root.get_time())
         if abs(self._time - due) > 1e-6 * _time_step(self.plant):
-            raise ValueError(f"after push() the simulator has to be advanced to {due} s, but it stands at {self._time} s")
+            raise ValueError(f"advance the simulator to {due} s after push(); its time is {self._time} s")
 
     def reset(self) -> None:
-        """Begins anew: nothing sampled, nothing touched, the books empty. For after a body was put elsewhere, or the
-        simulator was given another context."""
+        """Resets samples, contacts and energy ledger. Call it after a body was moved or the simulator got another
+        context."""
         super().reset()
         if self._pushes and self.simulator.get_mutable_context() is self._root:
             self._take_out()
@@ -309,8 +312,8 @@ class Contact(EngineContact):
             manager.RemoveDeclaration(number)
 
     def close(self) -> None:
-        """Ends the contacts: takes their wrenches out of the plant, and lets Drake's own contacts of the tools be again. `with`
-        does that at its end; `sample` is refused afterwards."""
+        """Ends the contacts: removes their wrenches from the plant and enables Drake's own contacts of the tools again.
+        The end of a `with` block does this too. `sample` then raises an error."""
         if self._pushes and self.simulator.get_mutable_context() is self._root:
             self._take_out()
         self._pushes = False
@@ -325,10 +328,10 @@ class Contact(EngineContact):
 
     def _same_context(self) -> None:
         if self.simulator.get_mutable_context() is not self._root:
-            raise ValueError("the simulator was given another context within a period: call reset(), then sample()")
+            raise ValueError("the simulator got another context within a period: call reset(), then sample()")
 
     def _given(self) -> list[ExternallyAppliedSpatialForce]:
-        """Copies of what stands in the port."""
+        """Returns copies of the values of the port."""
         return [copy(force) for force in self._port.Eval(self._values)] if self._port.HasValue(self._values) else []
 
     def _give(self, forces: list[ExternallyAppliedSpatialForce]) -> None:
@@ -337,7 +340,7 @@ class Contact(EngineContact):
         self._port.FixValue(self._values, value)
 
     def _take_out(self) -> None:
-        """Takes what was pushed out of the port."""
+        """Removes the pushed forces from the port."""
         self._pushes = False
         left = self._given()
         for mine in self._applied:
@@ -353,7 +356,7 @@ class Contact(EngineContact):
         self._give(theirs + self._applied)
 
     def _look(self, h: float) -> None:
-        """Writes how each body is and answers into its row."""
+        """Writes state and mobility of each body to its row."""
         plant, own, after = self.plant, self._own, self._after
         self._rows[:, 7:] = 0.0
         velocity = plant.GetVelocities(own)
@@ -413,7 +416,7 @@ def _time_step(plant: MultibodyPlant) -> float:
 
 
 def _systems(system: System) -> Iterator[System]:
-    """A system and all that is in it."""
+    """Yields a system and all its subsystems."""
     yield system
     if isinstance(system, Diagram):
         for part in system.GetSystems():
@@ -421,25 +424,25 @@ def _systems(system: System) -> Iterator[System]:
 
 
 def _unconnected(root: System, port: InputPort) -> None:
-    """Refuses a port whose values come from elsewhere: a value that is given to it would take their place for ever."""
+    """Rejects a port with another source: a fixed value would replace that source permanently."""
     where = (port.get_system(), port.get_index())
     named = f"input port {port.get_name()!r} of {port.get_system().get_name()!r}"
-    way = "connect the plant's port to an ExternallyAppliedSpatialForceMultiplexer, and give as port one of its own that is free"
+    way = "connect the plant's port to an ExternallyAppliedSpatialForceMultiplexer, and pass a free port of it as port"
     for diagram in _systems(root):
         if not isinstance(diagram, Diagram):
             continue
         if where in diagram.connection_map():
-            raise ValueError(f"the {named} is connected, so that wrenches cannot be given to it: {way}")
+            raise ValueError(f"the {named} is connected, so wrenches cannot be set: {way}")
         for number in range(diagram.num_input_ports()):
             if where in diagram.GetInputPortLocators(InputPortIndex(number)):
                 outer = diagram.get_input_port(number).get_name()
                 raise ValueError(
-                    f"the {named} is exported as {outer!r} of {diagram.get_name()!r}: give as port the one that it is exported as, or {way}"
+                    f"the {named} is exported as {outer!r} of {diagram.get_name()!r}: pass the exported port, or {way}"
                 )
 
 
 def _centre(body: RigidBody, own: Context) -> NDArray[np.float64]:
-    """Centre of mass in the body's axes [m]; its origin where it has no mass, as the world."""
+    """Returns the centre of mass in the body frame [m]; the origin for a body without mass, such as the world."""
     if body.index() == 0 or body.get_mass(own) == 0:
         return np.zeros(3)
     place: NDArray[np.float64] = body.CalcCenterOfMassInBodyFrame(own)
@@ -449,25 +452,25 @@ def _centre(body: RigidBody, own: Context) -> NDArray[np.float64]:
 def _body(plant: MultibodyPlant, given: Any) -> RigidBody:
     if isinstance(given, RigidBody):
         if given.GetParentPlant() is not plant:
-            raise ValueError(f"body {given.name()!r} is of another plant")
+            raise ValueError(f"body {given.name()!r} belongs to another plant")
         return given
     if not isinstance(given, str):
-        raise ValueError(f"{given!r} is no body: give its name, or a RigidBody of the plant")
+        raise ValueError(f"{given!r} is not a body: give a name, or a RigidBody of the plant")
     count = plant.NumBodiesWithName(given)
     if count == 0:
         names = [plant.get_body(BodyIndex(number)).name() for number in range(plant.num_bodies())]
         raise ValueError(f"the plant has no body {given!r}; it has {', '.join(map(repr, names))}")
     if count > 1:
-        raise ValueError(f"the plant has {count} bodies {given!r}, of several models: give the RigidBody itself")
+        raise ValueError(f"the plant has {count} bodies {given!r}, in several models: give the RigidBody itself")
     return plant.GetBodyByName(given)
 
 
 def _sphere(plant: MultibodyPlant, inspector: SceneGraphInspector, carrier: RigidBody) -> tuple[GeometryId, float]:
-    """The sphere of a body that is a tool, and its radius [m]."""
+    """Returns the sphere of a tool body and its radius [m]."""
     shapes = plant.GetCollisionGeometriesForBody(carrier)
     if len(shapes) != 1 or not isinstance(inspector.GetShape(shapes[0]), Sphere):
         kinds = ", ".join(type(inspector.GetShape(shape)).__name__ for shape in shapes) or "none"
-        raise ValueError(f"tool: body {carrier.name()!r} must have one sphere for its collisions, but has {kinds}")
+        raise ValueError(f"tool: body {carrier.name()!r} must have one sphere as collision shape, but has {kinds}")
     return shapes[0], float(inspector.GetShape(shapes[0]).radius())
 
 
@@ -484,12 +487,12 @@ def _described(
         place = pose.translation() - centre
         shapes.append(PlacedShape(word, lengths, place.tolist(), pose.rotation().ToQuaternion().wxyz().tolist(), points))
     if not shapes:
-        raise ValueError(f"{name} has no shape for collisions, so that a tool cannot touch it")
+        raise ValueError(f"{name} has no collision shape, so a tool cannot touch it")
     return EngineBody(name, shapes)
 
 
 def _shape(name: str, called: str, shape: Any) -> tuple[str, tuple[float, ...]]:
-    """The kind of a shape and its lengths, as `PlacedShape` has them."""
+    """Returns the kind and the lengths of a shape, for `PlacedShape`."""
     if isinstance(shape, Sphere):
         return "sphere", (shape.radius(),)
     if isinstance(shape, Box):
@@ -508,6 +511,6 @@ def _shape(name: str, called: str, shape: Any) -> tuple[str, tuple[float, ...]]:
 
 
 def _corners(shape: Convex | Mesh) -> list[list[float]]:
-    """Of the hull of a mesh [m]."""
+    """Returns the corners of the convex hull of a mesh [m]."""
     hull = shape.GetConvexHull()
     return [hull.vertex(number).tolist() for number in range(hull.num_vertices())]

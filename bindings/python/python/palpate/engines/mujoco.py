@@ -7,9 +7,9 @@
     while True:
         force = contact.step(position)  # reads your device, steps the engine, and gives the force to command
 
-The engine keeps the bodies, with its other contacts, its joints and its robots. Only the contacts of the tool are
-palpate's. Their wrenches go into `data.xfrc_applied`, on top of what stands there, and are taken out of it after
-the engine's step. `close()`, or `with`, gives the engine its own contacts of a tool back.
+The engine simulates the bodies, with its other contacts, joints and robots. palpate renders only the contacts of the
+tool. It adds their wrenches to `data.xfrc_applied` and removes them after the engine's step. `close()`, or the end of a
+`with` block, enables the engine's own contacts of a tool again.
 """
 
 from __future__ import annotations
@@ -42,42 +42,41 @@ _KINDS = {
 class Contact(EngineContact):
     """Contacts of a tool with bodies of a MuJoCo model.
 
-    The engine is stepped by this: a period is one or more of its steps. It is stepped first, with the wrenches that
-    proxies and bodies exert on each other meanwhile, and then the force is known that the device holds while that time
-    passes.
+    The contact steps the engine: a period is one or more of its steps. First the engine is stepped with the wrenches
+    between proxies and bodies. This yields the force that the device holds during the same time.
 
-    The tool is a sphere that MuJoCo does not know, or a sphere geom of a mocap body. Such a geom is taken out of the
-    engine's collisions until this is closed, and its mocap body follows the proxy, for a viewer to show. The other geoms of
-    that body stay what they are: one that can collide is a warning, since no force of it is felt.
+    The tool is a sphere unknown to MuJoCo, or a sphere geom of a mocap body. Collisions of such a geom are disabled in
+    the engine until `close()`, and its mocap body follows the proxy, for display in a viewer. Other geoms of that body
+    are unchanged. If one of them can collide, a warning is issued, because its contacts exert no force on the device.
 
-    The step that a force causes depends on the integrator: implicit ones, and Euler with damped joints, solve with the damping
-    of joints, tendons and servos at the end of the step. Bodies are taken to answer so.
+    The velocity change by a force depends on the integrator. Implicit integrators, and Euler with damped joints, use
+    the damping of joints, tendons and servos at the end of the step. The mobility of the bodies includes this damping.
 
     Args:
-        model: A compiled model. Its lengths are in metres, its masses in kilograms.
+        model: A compiled model, with lengths in metres and masses in kilograms.
         data: Its state.
         tool: Radius of the tool [m], at most 1, 0 for a point; or a sphere geom of a mocap body, by its name or as
-            `model.geom(name)`. A whole number is refused: it is no radius. Of several devices a sequence of these.
-        bodies: Names or numbers of the bodies that it touches, `"world"` for what is fixed. Of each, every geom counts
-            that can collide: spheres, boxes, capsules, cylinders and planes.
+            `model.geom(name)`. A whole number is rejected as a radius. For several devices a sequence of these.
+        bodies: Names or numbers of the bodies that the tool touches, `"world"` for fixed geometry. Every geom that can
+            collide is used: spheres, boxes, capsules, cylinders, planes and meshes.
         stiffness: K of the contacts [N/m].
-        device_mass: Effective mass of the device, right within a factor of 2 [kg]: one number, or three for its axes;
-            of several devices a row of three for each.
+        device_mass: Effective mass of the device [kg], accurate within a factor of 2: one number, or one per axis; for
+            several devices a row of three for each.
         period: Time from sample to sample [s], a whole number of the model's time steps. `None`: one step.
         damping: Material damping B [N s/m].
         friction: Coefficient of friction.
         friction_stiffness: Stiffness of the bristle of friction [N/m]; `None`: that of the contact.
         friction_damping: Damping of the bristle of friction [N s/m]; `None`: `damping` times `friction_stiffness` over
             `stiffness`.
-        encoder_quantum: Quantum of the position sensors [m]; 0: not known to have one.
-        delay: Time from a sample to the beginning of its force [s]. The engine is then ahead of the sample by it.
+        encoder_quantum: Quantum of the position sensors [m]; 0: unknown or none.
+        delay: Time from a sample to the beginning of its force [s]. The engine is ahead of the sample by this time.
         lag: Time constant of the actuators [s].
-        gain: Delivered over commanded force.
-        force_limit: Largest length of the force on the device [N]; `math.inf`: no limit.
-        soft_start: Time over which a force comes in where a start or a recovery finds contact, at most 60 [s].
+        gain: Ratio of delivered to commanded force.
+        force_limit: Largest magnitude of the force on the device [N]; `math.inf`: no limit.
+        soft_start: Duration of the force ramp if a start or a recovery begins in contact [s], at most 60.
 
     Raises:
-        ValueError: Everything that is wrong, by the names of the model.
+        ValueError: Arguments are not allowed; the message has the names of the model.
     """
 
     model: mujoco.MjModel
@@ -107,7 +106,7 @@ class Contact(EngineContact):
         soft_start: float = 0.2,
     ) -> Contact:
         if data.signature != model.signature:
-            raise ValueError("data is of another model: give the data that was made of this one, mujoco.MjData(model)")
+            raise ValueError("data belongs to another model: give mujoco.MjData(model) of this model")
         h = float(model.opt.timestep)
         steps = 1 if period is None else _whole(period, h)
         several: list[Any] = [tool] if isinstance(tool, str) or _is_view(tool) or np.ndim(tool) == 0 else [*tool]
@@ -165,19 +164,19 @@ class Contact(EngineContact):
         return made
 
     _give_back: weakref.finalize[Any, Any]
-    """Lets the engine render the tools again."""
+    """Enables the collisions of the tools in the engine again."""
     _numbers: list[int]
     _geoms: list[int]
-    """What tools and bodies are made of."""
+    """Geoms of tools and bodies."""
     _made_of: list[NDArray[np.float64]]
-    """What the model said when this was made and must go on to say: step, integrator, and the shapes."""
+    """Values of the model that must not change: time step, integrator and shapes."""
     _mocap: list[int | None]
     _applied: NDArray[np.float64]
-    """The wrenches that the engine was last told, a row for each body [N], [N m]."""
+    """Last applied wrenches, a row for each body [N], [N m]."""
     _theirs: NDArray[np.float64]
     _pushes: bool
     _time: float
-    """The engine's time after the last step [s]."""
+    """Time of the engine after the last step [s]."""
 
     def _room(self, model: mujoco.MjModel) -> None:
         count = len(self._numbers)
@@ -197,20 +196,19 @@ class Contact(EngineContact):
         return [stepping, model.geom_size[geoms], model.geom_pos[geoms], model.geom_quat[geoms], model.body_ipos[self._numbers]]
 
     def step(self, position: ArrayLike, elapsed: float | None = None) -> NDArray[np.float64]:
-        """One period: takes a sample of the devices, steps the engine through the period, and gives the force on the
-        device [N] to hold over it.
+        """Computes one period: takes a sample of the devices, steps the engine through the period, and returns the
+        force on the device [N] to hold over it.
 
         Args:
-            position: Position of the device in the axes of the model [m], three numbers; of several devices a row for
-                each.
+            position: Position of the device in the world frame [m], three numbers; for several devices a row for each.
             elapsed: Measured time since the last sample [s]; `None`: one period.
 
         Returns:
-            Three numbers; of several devices a row for each. After a sample that cannot be used they are 0, and
-            `output.fault` says why; the engine is stepped all the same.
+            Three numbers; for several devices a row for each. After an invalid sample they are 0, and `output.fault`
+            has the reason; the engine is still stepped.
 
         Raises:
-            ValueError: As those of `sample`.
+            ValueError: As for `sample`.
         """
         self.sample(position, elapsed)
         for _ in range(self.steps):
@@ -220,27 +218,27 @@ class Contact(EngineContact):
         return self.hold()
 
     def sample(self, position: ArrayLike, elapsed: float | None = None) -> None:
-        """A period begins: takes a sample of all devices, as `step` does. Where the engine's time has gone back since the
-        last step, after `mj_resetData` for instance, this begins anew as `reset` does.
+        """Begins a period: takes a sample of all devices, as `step` does. Calls `reset` if the engine's time has
+        decreased since the last step, for example after `mj_resetData`.
 
         Raises:
-            ValueError: Not three numbers for each device, or the model has another time step, integrator or shapes than when this
-                was made.
+            ValueError: The position is not three numbers for each device, or the time step, the integrator or the
+                shapes of the model have changed.
         """
         if not self._give_back.alive:
             raise ValueError("this Contact is closed: make another one")
         if not all(map(np.array_equal, self._made_of, self._now_made_of())):
             raise ValueError(
-                "the model has another time step, integrator, or size or place of a geom that is touched than when this Contact was "
-                "made: make another Contact"
+                "the model's time step, its integrator, or the size or position of a touched geom has changed since "
+                "this Contact was made: make another Contact"
             )
         if self.data.time < self._time:
             self.reset()
         super().sample(position, elapsed)
 
     def push(self) -> None:
-        """Before a step of the engine: writes the wrenches of the contacts into `data.xfrc_applied`, on top of what
-        stands there. For a program that steps the engine itself, between `sample` and `hold`:
+        """Adds the wrenches of the contacts to `data.xfrc_applied`, before a step of the engine. For a program that
+        steps the engine itself, between `sample` and `hold`:
 
             contact.sample(position)
             for _ in range(contact.steps):
@@ -252,7 +250,7 @@ class Contact(EngineContact):
         Several contacts, each with its own device, may push before a step.
         """
         if self._pushes:
-            raise ValueError("push() comes once before each step of the engine, and pull() after it")
+            raise ValueError("call push() once before each step of the engine, and pull() after it")
         self._theirs[:] = self.data.xfrc_applied[self._numbers]
         # Apply the last wrenches, so that the engine's other contacts are loaded.
         self.data.xfrc_applied[self._numbers] = self._theirs + self._applied
@@ -268,10 +266,10 @@ class Contact(EngineContact):
         self._pushes = True
 
     def pull(self) -> None:
-        """After a step of the engine: takes the wrenches of the contacts out of `data.xfrc_applied`, and moves the
-        mocap bodies of the tools to where the proxies are."""
+        """Removes the wrenches of the contacts from `data.xfrc_applied`, after a step of the engine, and moves the
+        mocap bodies of the tools to the proxies."""
         if not self._pushes:
-            raise ValueError("pull() comes after push() and a step of the engine")
+            raise ValueError("call pull() after push() and a step of the engine")
         self.data.xfrc_applied[self._numbers] = self._theirs
         self._pushes = False
         self._time = max(self._time, float(self.data.time))
@@ -281,16 +279,15 @@ class Contact(EngineContact):
                     self.data.mocap_pos[mocap] = place
 
     def reset(self) -> None:
-        """Begins anew: nothing sampled, nothing touched, the books empty. For after `mj_resetData`, or after a body
-        was put elsewhere."""
+        """Resets samples, contacts and energy ledger. Call it after `mj_resetData`, or after a body was moved."""
         super().reset()
         self._applied[:] = 0.0
         self._pushes = False
         self._time = float(self.data.time)
 
     def close(self) -> None:
-        """Ends the contacts: takes their wrenches out of `data.xfrc_applied`, and gives the engine's own contacts of the tools'
-        geoms back, as they were. `with` does that at its end; `sample` is refused afterwards."""
+        """Ends the contacts: removes their wrenches from `data.xfrc_applied` and enables the engine's own contacts of
+        the tool geoms again. The end of a `with` block does this too. `sample` then raises an error."""
         if self._pushes:
             self.data.xfrc_applied[self._numbers] = self._theirs
             self._pushes = False
@@ -303,7 +300,7 @@ class Contact(EngineContact):
         self.close()
 
     def _look(self, place: int, number: int) -> None:
-        """Writes how a body is and answers into its row."""
+        """Writes state and mobility of a body to its row."""
         model, data = self.model, self.data
         row = self._rows[place]
         row[7:] = 0.0
@@ -322,11 +319,11 @@ class Contact(EngineContact):
 
 
 class _Implicit:
-    """How velocities answer to forces over a step: by the inverse of M, or of M - h dF/dv where the integrator takes forces
-    that depend on velocities as they are at the end of the step."""
+    """Response of velocities to forces over a step: the inverse of M, or of M - h dF/dv if the integrator evaluates
+    velocity-dependent forces at the end of the step."""
 
     gained: NDArray[np.float64]
-    """What the step adds to the velocities with the forces of `data`, over its length."""
+    """Change of the velocities by the step with the forces of `data`, divided by the length of the step."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         self._model, self._data = model, data
@@ -336,7 +333,7 @@ class _Implicit:
         self._matrix = np.zeros((model.nv, model.nv))
 
     def look(self) -> None:
-        """After `mj_forward`: what the step will do."""
+        """Predicts the effect of the step, after `mj_forward`."""
         model, data = self._model, self._data
         self.gained, self._rates = data.qacc, None
         kind = int(model.opt.integrator)
@@ -368,13 +365,13 @@ class _Implicit:
 
     @property
     def _dampings(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Damping of joints: the factor of the speed, and, for each joint, the factors of its further powers."""
+        """Damping coefficients of the joints: of the speed, and, for each joint, of its higher powers."""
         linear = self._model.dof_damping
         # Damping is linear before MuJoCo 4.
         return linear, getattr(self._model, "dof_dampingpoly", np.zeros((len(linear), 0)))
 
     def solve(self, answers: NDArray[np.float64], forces: NDArray[np.float64]) -> None:
-        """Accelerations over the step of generalised forces, a row for each."""
+        """Computes the accelerations over the step for generalised forces, a row for each."""
         model, data = self._model, self._data
         if self._rates is None:
             mujoco.mj_solveM(model, data, answers, forces)
@@ -387,7 +384,7 @@ class _Implicit:
         answers[:] = np.linalg.solve(self._matrix - model.opt.timestep * self._rates, forces.T).T
 
     def _dense(self, data: mujoco.MjData) -> NDArray[np.float64]:
-        """How forces depend on velocities, as a matrix."""
+        """Returns the derivative of forces by velocities as a dense matrix."""
         sparse = self._model if hasattr(self._model, "D_rownnz") else data
         dense = np.zeros_like(self._matrix)
         dense[np.repeat(np.arange(len(dense)), sparse.D_rownnz), sparse.D_colind] = data.qDeriv
@@ -398,8 +395,8 @@ _INTEGRATOR = mujoco.mjtIntegrator
 _EULERDAMP = int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
 
 _taken: dict[tuple[int, int], list[int]] = {}
-"""Of each geom that is taken out of the engine's collisions, by the model's address: by how many contacts, and its contype and
-conaffinity before."""
+"""Geoms with disabled collisions, by address of the model: number of contacts that use the geom, and its original
+contype and conaffinity."""
 
 
 def _take(model: mujoco.MjModel, geom: int) -> None:
@@ -418,7 +415,7 @@ def _give_back(model: mujoco.MjModel, geoms: list[int]) -> None:
 
 
 def _warn_of_others(model: mujoco.MjModel, tools: list[int]) -> None:
-    """Warns of geoms beside a tool's that push what they touch, with no force on the device."""
+    """Warns about other geoms of a tool's mocap body that push bodies without a force on the device."""
     carriers = {int(model.geom_bodyid[tool]) for tool in tools}
     mine = [geom for geom in range(model.ngeom) if int(model.body_rootid[model.geom_bodyid[geom]]) in carriers and geom not in tools]
     others = [geom for geom in range(model.ngeom) if model.body_weldid[model.geom_bodyid[geom]] != 0 and geom not in mine]
@@ -433,14 +430,14 @@ def _warn_of_others(model: mujoco.MjModel, tools: list[int]) -> None:
     if pushing:
         names = ", ".join(_name(model, "geom", geom) for geom in pushing)
         warnings.warn(
-            f"{names}: on the tool's mocap body and not the tool; the engine pushes bodies with it, and the device feels nothing of "
-            'that. Give it contype="0" conaffinity="0"',
+            f"{names}: on the tool's mocap body, but not the tool; the engine pushes bodies with it without a force on "
+            'the device. Set contype="0" conaffinity="0"',
             stacklevel=3,
         )
 
 
 def _is_view(given: Any) -> bool:
-    """Whether it is what `model.geom()` gives."""
+    """Whether the value is a view such as `model.geom(name)`."""
     return hasattr(given, "id") and hasattr(given, "name")
 
 
@@ -491,16 +488,16 @@ def _body(model: mujoco.MjModel, body: str | int) -> int:
 def _tool_geom(model: mujoco.MjModel, name: str) -> int:
     geom = _number(model, "geom", name)
     if int(model.geom_type[geom]) != int(_GEOM.mjGEOM_SPHERE):
-        raise ValueError(f"tool: geom {name!r} is no sphere, and a tool has to be one")
+        raise ValueError(f"tool: geom {name!r} is not a sphere, but a tool must be a sphere")
     if int(model.body_mocapid[model.geom_bodyid[geom]]) < 0:
-        raise ValueError(f"tool: geom {name!r} has to belong to a mocap body, which follows the device")
+        raise ValueError(f"tool: geom {name!r} must belong to a mocap body, which follows the device")
     if any(geom in pair for pair in zip(model.pair_geom1, model.pair_geom2)):
-        raise ValueError(f"tool: geom {name!r} stands in a <pair>, so that the engine would render its contact too")
+        raise ValueError(f"tool: geom {name!r} is in a <pair>, so the engine would render its contact too")
     return geom
 
 
 def _geoms(model: mujoco.MjModel, number: int) -> list[int]:
-    """The geoms of a body that can collide."""
+    """Returns the geoms of a body that can collide."""
     first = int(model.body_geomadr[number])
     geoms = range(first, first + int(model.body_geomnum[number])) if first >= 0 else range(0)
     return [geom for geom in geoms if model.geom_contype[geom] or model.geom_conaffinity[geom]]
@@ -510,7 +507,7 @@ def _described(model: mujoco.MjModel, number: int) -> EngineBody:
     name = _name(model, "body", number)
     shapes = [_shape(model, number, geom) for geom in _geoms(model, number)]
     if not shapes:
-        raise ValueError(f"{name} has no geom that can collide, so that a tool cannot touch it")
+        raise ValueError(f"{name} has no geom that can collide, so a tool cannot touch it")
     return EngineBody(name, shapes)
 
 

@@ -9,8 +9,8 @@
     while True:
         force = contact.step(position)  # reads your device, steps the engine, and gives the force to command
 
-The engine keeps the bodies and its other contacts. Only the contacts of the tool are palpate's: the engine does not know
-the tool. Their wrenches are external forces of one step.
+The engine simulates the bodies and its other contacts. palpate renders only the contacts of the tool, which is unknown
+to the engine. Their wrenches are external forces of one step.
 """
 
 from __future__ import annotations
@@ -30,34 +30,33 @@ except ImportError as _missing:
 __all__ = ["Contact"]
 
 _BASE = -1
-"""The link that is a body without joints."""
+"""Link index of a body without joints."""
 
 
 class Contact(EngineContact):
     """Contacts of a tool with bodies of a PyBullet client.
 
-    The engine is stepped by this: a period is one or more of its steps. It is stepped first, with the wrenches that
-    proxies and bodies exert on each other meanwhile, and then the force is known that the device holds while that time
-    passes. What else accelerates a body, its weight and its other contacts, PyBullet does not say beforehand: it is taken to
-    go on as it went from the step before the last to the last one.
+    The contact steps the engine: a period is one or more of its steps. First the engine is stepped with the wrenches
+    between proxies and bodies. This yields the force that the device holds during the same time. PyBullet does not
+    report the other accelerations of a body, by its weight and its other contacts, before a step. They are extrapolated
+    linearly from the last two steps.
 
     Args:
-        client: Number of the client, as `pybullet.connect` gives it.
-        tool: Radius of the tool [m], a sphere that PyBullet does not know; 0 for a point. Of several devices a sequence.
-        bodies: Numbers of the bodies that it touches: without joints, free or fixed (of mass 0), of spheres, boxes, capsules,
-            cylinders and planes.
+        client: Number of the client, from `pybullet.connect`.
+        tool: Radius of the tool [m], a sphere unknown to PyBullet; 0 for a point. For several devices a sequence.
+        bodies: Numbers of the bodies that the tool touches: without joints, free or fixed (mass 0), consisting of
+            spheres, boxes, capsules, cylinders, planes and convex meshes.
         stiffness: K of the contacts [N/m].
-        device_mass: Effective mass of the device, right within a factor of 2 [kg]: one number, or three for its axes;
-            of several devices a row of three for each.
-        period: Time from sample to sample [s], a whole number of the engine's steps. `None`: one step. Set the step first,
-            by `pybullet.setTimeStep`.
-        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `friction_damping`,
-            `encoder_quantum`, `delay`,
-            `lag`, `gain`, `force_limit`, `soft_start`.
+        device_mass: Effective mass of the device [kg], accurate within a factor of 2: one number, or one per axis; for
+            several devices a row of three for each.
+        period: Time from sample to sample [s], a whole number of the engine's steps. `None`: one step. Call
+            `pybullet.setTimeStep` first.
+        others: Arguments of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`,
+            `friction_damping`, `encoder_quantum`, `delay`, `lag`, `gain`, `force_limit`, `soft_start`.
 
     Raises:
-        ValueError: What is wrong, by the numbers of the bodies.
-        pybullet.error: No such client, or no such body.
+        ValueError: An argument is not allowed; the message has the numbers of the bodies.
+        pybullet.error: The client or a body does not exist.
     """
 
     client: int
@@ -108,12 +107,12 @@ class Contact(EngineContact):
 
     _numbers: list[int]
     _h: float
-    """The engine's step at the start [s]."""
+    """Initial step of the engine [s]."""
     _wrenches: NDArray[np.float64]
-    """What the engine was last told, a row for each body: force [N], torque about the centre of mass [N m]."""
+    """Last applied wrenches, a row for each body: force [N], torque about the centre of mass [N m]."""
     _others: list[tuple[NDArray[np.float64], NDArray[np.float64]] | None]
-    """Acceleration of each body by everything else in the last step and in the one before it [m/s^2], [rad/s^2]; none
-    before the first."""
+    """Acceleration of each body without the contacts, in the last step and in the previous one [m/s^2], [rad/s^2];
+    `None` before the first."""
     _before: list[NDArray[np.float64]]
     _pushes: bool
 
@@ -124,20 +123,19 @@ class Contact(EngineContact):
         self._pushes = False
 
     def step(self, position: ArrayLike, elapsed: float | None = None) -> NDArray[np.float64]:
-        """One period: takes a sample of the devices, steps the engine through the period, and gives the force on the
-        device [N] to hold over it.
+        """Computes one period: takes a sample of the devices, steps the engine through the period, and returns the
+        force on the device [N] to hold over it.
 
         Args:
-            position: Position of the device in the axes of the world [m], three numbers; of several devices a row for
-                each.
+            position: Position of the device in the world frame [m], three numbers; for several devices a row for each.
             elapsed: Measured time since the last sample [s]; `None`: one period.
 
         Returns:
-            Three numbers; of several devices a row for each. After a sample that cannot be used they are 0, and
-            `output.fault` says why; the engine is stepped all the same.
+            Three numbers; for several devices a row for each. After an invalid sample they are 0, and `output.fault`
+            has the reason; the engine is still stepped.
 
         Raises:
-            ValueError: Not three numbers for each device, or the engine's step is another than at the start.
+            ValueError: The position is not three numbers for each device, or the engine's step has changed.
         """
         self.sample(position, elapsed)
         for _ in range(self.steps):
@@ -147,8 +145,8 @@ class Contact(EngineContact):
         return self.hold()
 
     def push(self) -> None:
-        """Before a step of the engine: gives it the wrenches of the contacts, beside what forces a program gives it. For a
-        program that steps the engine itself, between `sample` and `hold`:
+        """Applies the wrenches of the contacts, in addition to other forces, before a step of the engine. For a program
+        that steps the engine itself, between `sample` and `hold`:
 
             contact.sample(position)
             for _ in range(contact.steps):
@@ -158,7 +156,7 @@ class Contact(EngineContact):
             force = contact.hold()
         """
         if self._pushes:
-            raise ValueError("push() comes once before each step of the engine, and pull() after it")
+            raise ValueError("call push() once before each step of the engine, and pull() after it")
         h = _time_step(self.client)
         if h != self._h:
             raise ValueError(f"the engine's step is {h} s, but was {self._h} s when this Contact was made: make another Contact")
@@ -181,9 +179,9 @@ class Contact(EngineContact):
         self._pushes = True
 
     def pull(self) -> None:
-        """After a step of the engine: sees what everything else did to the bodies in it."""
+        """Determines the other accelerations of the bodies, after a step of the engine."""
         if not self._pushes:
-            raise ValueError("pull() comes after push() and a step of the engine")
+            raise ValueError("call pull() after push() and a step of the engine")
         self._pushes = False
         h = _time_step(self.client)
         for place, (number, before) in enumerate(zip(self._numbers, self._before)):
@@ -192,7 +190,7 @@ class Contact(EngineContact):
             self._others[place] = (last, last if known is None else known[0])
 
     def reset(self) -> None:
-        """Begins anew: nothing sampled, nothing touched, the books empty. For after a body was put elsewhere."""
+        """Resets samples, contacts and energy ledger. Call it after a body was moved."""
         super().reset()
         self._start()
 
@@ -200,7 +198,7 @@ class Contact(EngineContact):
         return np.concatenate(pybullet.getBaseVelocity(number, physicsClientId=self.client))
 
     def _look(self, place: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """The row of a body, its velocity, and its mobility."""
+        """Returns the row of a body, its velocity, and its mobility."""
         number, client = self._numbers[place], self.client
         position, turned = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)
         x, y, z, w = turned
@@ -233,7 +231,7 @@ def _time_step(client: int) -> float:
 def _described(client: int, number: int) -> EngineBody:
     name = f"body {number}"
     if pybullet.getNumJoints(number, physicsClientId=client):
-        raise ValueError(f"{name} has joints, but must be a body without: fixed, or free")
+        raise ValueError(f"{name} has joints, but must be a single fixed or free body")
     shapes = []
     for index, shape in enumerate(pybullet.getCollisionShapeData(number, _BASE, physicsClientId=client)):
         _, _, kind, lengths, _, place, (x, y, z, w) = shape
@@ -243,12 +241,12 @@ def _described(client: int, number: int) -> EngineBody:
         word, own = _shape(name, kind, lengths)
         shapes.append(PlacedShape(word, own, place, (w, x, y, z)))
     if not shapes:
-        raise ValueError(f"{name} has no collision shape, so that a tool cannot touch it")
+        raise ValueError(f"{name} has no collision shape, so a tool cannot touch it")
     return EngineBody(name, shapes)
 
 
 def _shape(name: str, kind: int, lengths: Any) -> tuple[str, tuple[float, ...]]:
-    """The kind of a shape and its lengths, as `PlacedShape` has them."""
+    """Returns the kind and the lengths of a shape, for `PlacedShape`."""
     if kind == pybullet.GEOM_SPHERE:
         return "sphere", (lengths[0],)
     if kind == pybullet.GEOM_BOX:
@@ -266,10 +264,10 @@ def _shape(name: str, kind: int, lengths: Any) -> tuple[str, tuple[float, ...]]:
 
 
 def _corners(client: int, number: int, index: int) -> list[list[float]]:
-    """Of a mesh, which is its hull to PyBullet, in the body's axes about its centre of mass [m]."""
+    """Returns the corners of the hull of a mesh, in the body frame, relative to the centre of mass [m]."""
     count, corners = pybullet.getMeshData(number, _BASE, collisionShapeIndex=index, physicsClientId=client)
     if count == 0:
         raise ValueError(
-            f"body {number} has a mesh that is not taken for its hull (GEOM_FORCE_CONCAVE_TRIMESH); a tool can touch hulls"
+            f"body {number} has a concave mesh (GEOM_FORCE_CONCAVE_TRIMESH), but a tool can touch convex hulls only"
         )
     return [list(corner) for corner in corners]

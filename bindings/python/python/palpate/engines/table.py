@@ -1,4 +1,4 @@
-"""What an engine's own contacts make of a scene, and what palpate's make of it with the same engine.
+"""Compares an engine's own contacts with those of palpate in the same engine.
 
     python -m palpate.engines.table                    # needs palpate[mujoco]
     python -m palpate.engines.table --engine pybullet  # needs palpate[pybullet]
@@ -6,15 +6,15 @@
     python -m palpate.engines.table --steps 1,4,10 --integrators RK4,Euler --model-mass-factor 1,1.5
 
 A device with three masses, in a hand with spring and damper, is simulated exactly outside the engine. Each force is
-held for a period, and judged by the mean force of the ideal over each period: E is the error, and FRE over the hold
-floor says how far the held force is from the best that a held force can be. The ideal is `palpate simulate`'s: device,
-bodies and contacts in continuous time, computed by code that shares nothing with the renderer. The engine's floor is
-set up as the same spring and damper.
+held for a period and evaluated against the mean force of the reference solution over the period. E is the error. FRE
+over the zero-order-hold bound compares the held force with the best possible held force. The reference solution is that
+of `palpate simulate`: device, bodies and contacts in continuous time, computed by code that shares nothing with the
+renderer. The engine's floor has the same spring and damper.
 
-- engine: the engine's own contact of the tool, a spring of the same stiffness, with the device held where it was sampled; the
-  mean of its force over the steps of the period.
-- engine, tuned: the damping that gives the least E of this scene, found with knowledge of its ideal, and the tool held
-  as it was sampled or moved on by its last velocity, whichever gives less.
+- engine: the engine's own contact of the tool, a spring of the same stiffness, with the device fixed at its sample; the
+  mean force over the steps of the period.
+- engine, tuned: the damping that minimises E of this scene, found with the reference solution, and the tool fixed at
+  its sample or moved with its last velocity, whichever gives the lower E.
 - palpate: `Contact` of `palpate.engines.mujoco`, `palpate.engines.pybullet` or `palpate.engines.drake`.
 """
 
@@ -34,11 +34,11 @@ from ._scenes import BODY_MASS, RATES, evaluated, scenes
 
 ENGINES = ("mujoco", "pybullet", "drake")
 DAMPING_RATIOS = (0.0, *(0.02 * 1.25**step for step in range(17)))
-"""Damping ratios of the engine's contact that are tried."""
+"""Damping ratios of the engine's contact for the tuning."""
 
 
 class Row(NamedTuple):
-    """What one way of rendering made of a scene."""
+    """Result of one contact in a scene."""
 
     scene: str
     period_s: float
@@ -49,21 +49,21 @@ class Row(NamedTuple):
     mean_force_error_percent: float
     error_over_bound: float
     microseconds_per_step: float
-    """Median of what a step of the engine costs, with the contact, from Python."""
+    """Median time of a step of the engine with the contact, from Python."""
     setting: str
 
 
 def engine(name: str) -> Any:
-    """What runs the scenes in an engine: `with_engine`, `with_palpate`, `INTEGRATORS` and `VERSION`.
+    """Returns the module that runs the scenes in an engine: `with_engine`, `with_palpate`, `INTEGRATORS` and `VERSION`.
 
     Raises:
-        ImportError: The engine is not there.
+        ImportError: The engine is not installed.
     """
     return import_module(f"._with_{name}", __package__)
 
 
 def rows(bench: Any, steps: Sequence[int], integrators: Sequence[str], mass_factors: Sequence[float]) -> list[Row]:
-    """Every row of the table."""
+    """Computes all rows of the table."""
     made = []
     for period, stiffness in RATES:
         for scene in scenes(period, stiffness):
@@ -104,9 +104,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m palpate.engines.table", description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("--engine", choices=ENGINES, default=ENGINES[0], help="the engine (mujoco)")
     parser.add_argument("--steps", type=several(int), default=[4], help="steps of the engine in a period (4)")
-    parser.add_argument("--integrators", type=several(str), help="of MuJoCo: RK4, Euler, implicitfast (RK4)")
-    parser.add_argument("--model-mass-factor", type=several(float), default=[1.0, 1.5], help="model value of the device mass over the true mass (1,1.5)")
-    parser.add_argument("--json", action="store_true", help="rows as JSON")
+    parser.add_argument("--integrators", type=several(str), help="integrators of MuJoCo: RK4, Euler, implicitfast (RK4)")
+    parser.add_argument(
+        "--model-mass-factor",
+        type=several(float),
+        default=[1.0, 1.5],
+        help="model value of the device mass over the true mass (1,1.5)",
+    )
+    parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     given = parser.parse_args()
     bench = engine(given.engine)
     integrators = given.integrators or bench.INTEGRATORS[:1]
@@ -118,7 +123,7 @@ def main() -> None:
         print(json.dumps([row._asdict() for row in found], indent=2))
         return
     print(f"{bench.VERSION}; E in percent; us: time of a step of the engine with its contact, from Python\n")
-    print("| scene | T ms | K N/m | steps | integrator | contact | E % | FRE/floor | us | |")
+    print("| scene | T ms | K N/m | steps | integrator | contact | E % | FRE/bound | us | |")
     print("|---|---:|---:|---:|---|---|---:|---:|---:|---|")
     for row in found:
         numbers = f"{row.mean_force_error_percent:.2f} | {row.error_over_bound:.2f} | {row.microseconds_per_step:.0f}"

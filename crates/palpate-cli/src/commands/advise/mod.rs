@@ -4,10 +4,10 @@ mod arguments;
 
 pub use arguments::AdviseArguments;
 
-use palpate_study::calibrate::{Calibration, Quantity};
 use palpate_plot::shown_of;
 use palpate_scene::SetupError;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT, Question};
+use palpate_study::calibrate::{Calibration, Quantity};
 use palpate_study::map::{Bounce, BounceError};
 
 use crate::failure::Failure;
@@ -24,7 +24,7 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     let mut outputs = arguments.overwriting.outputs();
     arguments.picture.plan(&mut outputs)?;
     let progress = Progress::new(methods.len());
-    progress.begin("looking for limits");
+    progress.begin("searching limits");
     let mut advice = Advice::on(&bounce, arguments.stiffness.is_some(), methods, || {
         progress.advance();
     })
@@ -44,7 +44,7 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.picture.plot {
         let shown = shown_of(methods);
         let progress = Progress::new(shown.len());
-        progress.begin("looking for the reach");
+        progress.begin("searching renderable contacts");
         let reach = bounce.reach(&shown, FAITHFUL_PERCENT, || {});
         let reach = reach.map_err(|error| refused(&error))?;
         drop(progress);
@@ -115,7 +115,7 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bou
         && file.is_none_or(|file| file.value(Quantity::Resonance).is_none())
     {
         return Err(Failure::Arguments(
-            "--flexible-mass-fraction is for a device with a resonance, and none is known: --resonance is missing"
+            "--flexible-mass-fraction is for a device with a resonance: --resonance is missing"
                 .into(),
         ));
     }

@@ -80,7 +80,7 @@ pub struct ExcitationFlags {
 
 /// Known values besides the motion.
 #[derive(Args, Debug, Clone, Default)]
-#[command(next_help_heading = "Known beforehand")]
+#[command(next_help_heading = "Known values")]
 pub struct KnownFlags {
     /// Delivered over commanded force of the motor, if measured
     #[arg(long, value_name = "RATIO", value_parser = number, conflicts_with_all = ["spring", "added_mass"])]

@@ -4,13 +4,13 @@
 use std::sync::Arc;
 use std::thread::Builder;
 
-use palpate_study::calibrate::ExcitationParams;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::{Heartbeat, SafetyParams};
 use palpate_scene::{Scene, SceneFile};
 use palpate_session::{Guarding, ShakeError, Shaker, Watched};
+use palpate_study::calibrate::ExcitationParams;
 use palpate_study::calibration::ExcitedMotion;
 
 use super::CalibrateArguments;
@@ -98,20 +98,20 @@ fn on<C: Clock>(
     let Opened { mut device, axis } = open(&arguments.device, scene, clock, &guarding)?;
     let heartbeat = Arc::new(Heartbeat::default());
     let watched = Watched::start(device.as_mut(), &heartbeat, clock, &request, stall_limit)
-        .map_err(|error| Failure::System(format!("no thread for the supervisor: {error}")))?;
+        .map_err(|error| Failure::System(format!("cannot start the supervisor: {error}")))?;
     let timed = (clock.clone(), period);
     let shaker = Shaker::new((device, axis), timed, params, heartbeat, stall_limit)
         .map_err(refused)?
         .waiting(wait);
     if let Some(wait) = wait {
         tell(format_args!(
-            "bring the device to where it is calibrated and hold it still: the force begins when it has \
-             been still for 0.5 s, {:.1} s from now at the earliest",
+            "move the device to its calibration position and hold it still: the force begins after 0.5 s without \
+             motion, in {:.1} s at the earliest",
             wait.as_secs_f64()
         ));
     }
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let stop = StopFlag::on_signals()
+        .map_err(|error| Failure::System(format!("cannot handle signals: {error}")))?;
     let thread = Builder::new()
         .name("palpate calibrate".to_owned())
         .spawn(move || {
@@ -120,10 +120,10 @@ fn on<C: Clock>(
             }
             shaker.run(&stop)
         })
-        .map_err(|error| Failure::System(format!("no thread for the loop: {error}")))?;
+        .map_err(|error| Failure::System(format!("cannot start the loop: {error}")))?;
     let ended = thread
         .join()
-        .map_err(|_| Failure::System("the loop ended for a fault of the program".into()));
+        .map_err(|_| Failure::System("internal error: the loop panicked".into()));
     watched.end();
     ended?.map_err(refused)
 }

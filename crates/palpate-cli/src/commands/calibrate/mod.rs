@@ -7,9 +7,9 @@ mod stream;
 use std::path::Path;
 use std::time::Instant;
 
-use palpate_study::calibrate::{Calibration, Measured, Quantity, measure};
 use palpate_record::files::bounded::DEVICE;
 use palpate_record::files::outputs::Outputs;
+use palpate_study::calibrate::{Calibration, Measured, Quantity, measure};
 
 pub use arguments::CalibrateArguments;
 use arguments::KnownFlags;
@@ -118,8 +118,8 @@ fn deliver(
         tell(text.trim_end());
         if !arguments.time && !arguments.results.json {
             tell(format!(
-                "Not checked: that the samples came every {} s (--period), since no line\n\
-                 has a time (--time). A period that is 1 % wrong makes the mass 2 % wrong.",
+                "Not checked: the sampling period of {} s (--period), because the lines have no\n\
+                 time (--time). A period error of 1 % causes a mass error of 2 %.",
                 arguments.period
             ));
         }

@@ -2,9 +2,9 @@
 
 use std::io;
 
-use palpate_study::calibrate::ExcitationParams;
 use crate::pipe::{CalibratingError, Format, calibrate};
 use palpate_rt::StopFlag;
+use palpate_study::calibrate::ExcitationParams;
 use palpate_study::calibration::ExcitedMotion;
 
 use super::CalibrateArguments;
@@ -20,8 +20,8 @@ pub fn excite(
     arguments: &CalibrateArguments,
     params: ExcitationParams,
 ) -> Result<ExcitedMotion, Failure> {
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let stop = StopFlag::on_signals()
+        .map_err(|error| Failure::System(format!("cannot handle signals: {error}")))?;
     let unit = arguments.device.table.unit;
     let other = TraceFlags {
         unit: None,
@@ -29,7 +29,7 @@ pub fn excite(
     };
     if let Some(flag) = other.given() {
         return Err(Failure::Arguments(format!(
-            "{flag} is for a table; on standard input only --unit says what lines are"
+            "{flag} is for a table; for standard input, use --unit"
         )));
     }
     let format = Format {

@@ -39,7 +39,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     outputs.spare_inputs()?;
     if let (Some((path, _)), Some((contact, _))) = (worlds.first(), files.first()) {
         return Err(Failure::Arguments(format!(
-            "{} is a world and {} is one contact: they have other methods, so compare them in two tables",
+            "{} is a world and {} is one contact: their methods differ, so compare them in two tables",
             path.display(),
             contact.display()
         )));
@@ -73,15 +73,15 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
             outcomes.push((method, outcome));
             progress.advance();
         }
-        scenes.push(SceneRows::of(
+        scenes.push(SceneRows::new(
             path.display().to_string(),
-            &Subject::of(scene),
+            &Subject::new(scene),
             bench.reference(),
             outcomes,
         ));
     }
     drop(progress);
-    let mut comparison = Comparison::of(scenes);
+    let mut comparison = Comparison::new(scenes);
     if let Some(out) = &arguments.out {
         outputs.write(out, |writer| {
             table::write(writer, &COLUMNS, comparison.rows())

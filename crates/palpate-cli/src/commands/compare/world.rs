@@ -44,7 +44,7 @@ pub fn run(
         progress.advance();
     }
     drop(progress);
-    let mut comparison = WorldComparison::of(scenes);
+    let mut comparison = WorldComparison::new(scenes);
     if let Some(out) = &arguments.out {
         outputs.write(out, |writer| {
             table::write(writer, &COLUMNS, comparison.rows())

@@ -11,8 +11,8 @@ use crate::failure::Failure;
 
 /// The list in the folder: a checksum and a name on each line.
 const LIST: &str = "made-by-palpate-demo.txt";
-const HEAD: &str = "# Files that palpate demo made here. It replaces them when it runs again, unless \
-                    they were changed since.";
+const HEAD: &str =
+    "# Files written by palpate demo. The next demo replaces them, unless they were changed.";
 
 /// The files to make in a folder.
 pub struct Made {
@@ -30,7 +30,7 @@ impl Made {
     pub fn plan(folder: &Path, names: &[&str], outputs: Outputs) -> Result<Self, Failure> {
         std::fs::create_dir_all(folder).map_err(|error| {
             Failure::System(format!(
-                "cannot make the folder `{}`: {error}",
+                "cannot create the folder `{}`: {error}",
                 folder.display()
             ))
         })?;
@@ -49,9 +49,8 @@ impl Made {
                 && path.symlink_metadata().is_ok_and(|there| !there.is_dir())
             {
                 return Err(Failure::System(format!(
-                    "cannot write `{}`: there is a file of that name, which palpate demo has not made, \
-                     or not as it is; name another folder with --out-dir, or replace it with \
-                     --overwrite",
+                    "cannot write `{}`: the file exists and is not an unchanged file of palpate demo; name another \
+                     folder with --out-dir, or replace it with --overwrite",
                     path.display()
                 )));
             }

@@ -110,31 +110,31 @@ fn story(folder: &Path, scene: &Report, hand: &Report) -> String {
         text,
         "\
 A haptic device samples its position and holds a force between samples. A stiff
-or light object rendered that way creates energy from nothing: the leak below.
-HFCR, the paper's method, step by step, has {less:.0} times less of it, every part
-counted as positive. Coupled rendering, the default here, comes to the hold
-floor: the least error that any held force can have.
+or light object then generates energy: the leak below. HFCR, the paper's method,
+shown step by step, has {less:.0} times less of it (sum of absolute values). Coupled
+rendering, the default, reaches the hold bound: the smallest error of any held
+force.
 
 1. The paper's Fig. 2, in closed loop with a light device
 
 {scene}
-   Coupled rendering was told the device's mass; HFCR needs none.
+   Coupled rendering has a model value of the device's mass; HFCR needs none.
 
-2. The same force laws on the motion of a hand, which no force moves
+2. The same force laws on a hand motion that forces do not change
 
 {hand}
-Where to go next
-(until palpate is installed: cargo run --release -- in its place)
+Next steps
+(without installation: cargo run --release -- instead of palpate)
 
 Your own recording instead of hand.csv:
   palpate render {folder}/hand.csv --stiffness 200 --mass 0.5 \\
     --period 0.01 --force -4.905 --out run.csv --plot run.svg
-A scene; copy it, change it:
+A scene to copy and change:
   palpate simulate experiments/experiment2.toml --method all
 Any program as the device, live:
   palpate pipe --help
 
-The next demo replaces the files above, but none that was changed since.
+The next demo replaces the files above, except for changed ones.
 "
     );
     text

@@ -1,10 +1,10 @@
 //! `palpate emulate inverse3`: Haply's Inverse Service with an emulated device.
 
 use clap::{Args, ValueEnum};
-use palpate_haply::inverse3::Form;
 use palpate_haply::emulator::inverse3::{
     Body, Emulator, EmulatorError, EmulatorOptions, Latency, TimedFault,
 };
+use palpate_haply::inverse3::Form;
 use palpate_rt::StopFlag;
 use palpate_testbed::hand::{Hand, Intention, Sinusoid};
 
@@ -134,18 +134,18 @@ pub fn run(arguments: &Inverse3EmulatorArguments) -> Result<(), Failure> {
             jitter: duration("--jitter", arguments.jitter)?,
         },
     };
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let stop = StopFlag::on_signals()
+        .map_err(|error| Failure::System(format!("cannot handle signals: {error}")))?;
     let emulator = Emulator::start(&options).map_err(|error| match error {
         EmulatorError::Body(error) => Failure::Arguments(error.to_string()),
         EmulatorError::Port { .. } => Failure::System(format!(
-            "{error}; --port and --events-port choose others, 0 any that is free"
+            "{error}; choose others with --port and --events-port, 0 for any free one"
         )),
         EmulatorError::Thread(_) => Failure::System(error.to_string()),
     })?;
     print(&format!("{}\n", emulator.url()))?;
     tell(format_args!(
-        "an Inverse Service with {}, its events on {}; ctrl-C ends it",
+        "Inverse Service with {}, events on {}; ctrl-C ends it",
         arguments.device_id.join(", "),
         emulator.events_url()
     ));

@@ -24,21 +24,22 @@ pub enum What {
     #[command(
         name = "haply-2diy",
         long_about = "\
-A Haply 2DIY on a pseudo-terminal, whose path is printed, or on a Unix socket: board, arm and hand in real time, until ctrl-C.
+A Haply 2DIY on a pseudo-terminal, whose path is printed, or on a Unix socket. Board, arm and hand run in \
+real time until ctrl-C.
 
-Faults strike by themselves: --fault KIND[=VALUE]@SECONDS, as often as wanted, with the kinds stall \
+Faults are injected at given times: --fault KIND[=VALUE]@SECONDS, repeatable, with the kinds stall \
 (for VALUE seconds), unplug (for VALUE seconds), garbage (VALUE bytes), half, lost, late (by VALUE \
 seconds), twice, other-id, nan and slip (by VALUE degrees)."
     )]
     Haply2diy(Box<two_diy::arguments::TwoDiyArguments>),
     /// A Haply Inverse3 behind an Inverse Service
     #[command(long_about = "\
-Haply's Inverse Service on this machine's loopback, whose address is printed, and behind it a point mass \
-along each axis in a hand, in real time, until ctrl-C.
+Haply's Inverse Service on this machine's loopback interface, whose address is printed. Its device is a point \
+mass along each axis in a hand, and runs in real time until ctrl-C.
 
-Faults strike by themselves: --fault KIND@SECONDS, as often as wanted, with the kinds lost, twice, late, \
+Faults are injected at given times: --fault KIND@SECONDS, repeatable, with the kinds lost, twice, late, \
 garbage, half, half-bytes, disconnect and close for one answer, and stall=s, unplug=s and no-power=s for \
-as many seconds.")]
+s seconds.")]
     Inverse3(Box<inverse3::Inverse3EmulatorArguments>),
 }
 

@@ -1,8 +1,8 @@
 //! Devices of a live session.
 
 use palpate_device::clock::MonotonicClock;
-use palpate_scene::Scene;
 use palpate_live::{Devices, Placed};
+use palpate_scene::Scene;
 use palpate_session::Guarding;
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 
@@ -63,7 +63,7 @@ impl Named {
         let Opened { mut device, axis } =
             open(&self.arguments, &self.scene, &self.clock, &self.guarding)?;
         if let Some(hand) = &self.hand {
-            let usual = PointerParams::of(&self.scene);
+            let usual = PointerParams::new(&self.scene);
             let params = PointerParams {
                 position: at.unwrap_or(usual.position),
                 ..usual

@@ -8,9 +8,9 @@ mod world;
 use std::path::{Path, PathBuf};
 
 use palpate_device::clock::MonotonicClock;
+use palpate_live::{Home, LaneEnd, Session, Setup, Written};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
-use palpate_live::{Home, LaneEnd, Session, Setup, Written};
 use palpate_session::{RunReport, Subject, WatchdogReport};
 
 pub use arguments::LiveArguments;
@@ -148,7 +148,8 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
             || scene.device.tremor().is_some())
     {
         tell(
-            "note: with the device `pointer` your hand takes the place of the scene's, and a point mass that of its linkage; --device simulated has both",
+            "note: the device `pointer` replaces the scene's hand by yours and its linkage by a point mass; --device \
+             simulated keeps both",
         );
     }
     Ok((scene, path, methods))

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::time::Duration;
 
-use palpate_rt::{SetupError, StopFlag};
 use palpate_live::{Home, ListenError, Listening, Server, Session, SessionError};
+use palpate_rt::{SetupError, StopFlag};
 
 use super::LiveArguments;
 use crate::failure::{Failure, tell};
@@ -21,8 +21,8 @@ pub fn serve<End: Send + 'static>(
     path: &Path,
     begin: impl FnOnce(&StopFlag) -> Result<Session<End>, SessionError>,
 ) -> Result<End, Failure> {
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let stop = StopFlag::on_signals()
+        .map_err(|error| Failure::System(format!("cannot handle signals: {error}")))?;
     // Declared first and therefore dropped last: after any failure below, the force is off before clients get a
     // goodbye.
     let server;
@@ -57,8 +57,7 @@ pub fn listen(arguments: &LiveArguments) -> Result<Listening, Failure> {
             if source.kind() == std::io::ErrorKind::AddrInUse =>
         {
             Failure::System(format!(
-                "{address} is in use, by another palpate live perhaps; --listen {}:0 takes a port \
-                 that is free",
+                "{address} is in use, possibly by another palpate live; --listen {}:0 selects a free port",
                 address.ip()
             ))
         }
@@ -75,7 +74,7 @@ fn where_it_is(listening: &Listening) -> String {
     match listening.url_on_the_network() {
         Some(there) => format!("{here}\nfrom another machine: {there}\n"),
         None => format!(
-            "{here}\nfrom another machine: the same, with an address of this machine in place of {}\n",
+            "{here}\nfrom another machine: the same, with an address of this machine instead of {}\n",
             if listening.address().is_ipv4() {
                 "127.0.0.1"
             } else {

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use palpate_device::clock::MonotonicClock;
-use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_live::{Home, MAX_LANES, Session, WorldLane, WorldLaneEnd, WorldSetup};
+use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_session::{Energies, NotRendered, RunReport, Subject, WatchdogReport, lacking_axes};
 use palpate_sim::device::SpatialHand;
 

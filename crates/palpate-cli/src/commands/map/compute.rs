@@ -33,7 +33,7 @@ struct Shown(Option<Progress>);
 impl MapFollower for Shown {
     fn is_unlocked(&mut self, journal: &Path, why: &io::Error) {
         tell(format_args!(
-            "warning: {} cannot be locked ({why}); see to it that no other map is computed into it",
+            "warning: {} cannot be locked ({why}); do not compute another map into it",
             journal.display()
         ));
     }
@@ -110,8 +110,8 @@ pub fn unusable(error: JournalError) -> Failure {
     match error {
         JournalError::Write(error) => Failure::System(error.to_string()),
         JournalError::Held { .. } => Failure::System(format!(
-            "{error}, which computes this map; wait for it, or end it and go on with --resume, or name \
-             another file with --out"
+            "{error}, which computes this map; wait for it, or end it and continue with --resume, or name another file \
+             with --out"
         )),
         JournalError::Damaged { .. } => Failure::input(error),
     }

@@ -65,8 +65,7 @@ impl Files {
         self.outputs.plan_over("--out", out, existing)?;
         if is_stream(out) {
             return Err(Failure::Arguments(format!(
-                "--out {}: a map is kept in a journal beside it while it is computed, so it needs a \
-                 file",
+                "--out {}: not a file, and the computation keeps a journal beside it; name a file",
                 out.display()
             )));
         }

@@ -17,7 +17,7 @@ pub const MISTAKES: Mistakes = Mistakes {
 /// Starts the messages to standard error.
 pub fn messages() -> Result<Messages, Failure> {
     Messages::start(tell)
-        .map_err(|error| Failure::System(format!("no thread for messages: {error}")))
+        .map_err(|error| Failure::System(format!("cannot start the message thread: {error}")))
 }
 
 /// Answers every line of standard input until it ends or a signal arrives. Prints the summary at the end, as JSON on
@@ -26,8 +26,8 @@ pub fn answer<S: Answering>(
     set_up: impl FnOnce() -> Result<S, Failure>,
     as_json: bool,
 ) -> Result<(), Failure> {
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let stop = StopFlag::on_signals()
+        .map_err(|error| Failure::System(format!("cannot handle signals: {error}")))?;
     let served = answer_all(set_up()?, || io::stdin().lock(), &stop)?;
     if let Some(messages) = served.messages {
         if as_json {
@@ -45,7 +45,7 @@ pub fn answer<S: Answering>(
     }
     if served.has_refused_all {
         return Err(Failure::MotorsOff(
-            "every line was refused: there was no force".into(),
+            "every line was rejected: there was no force".into(),
         ));
     }
     Ok(())
@@ -67,7 +67,7 @@ fn outcome(ended: Ended) -> Result<(), Failure> {
             "standard input cannot be read: {error}"
         ))),
         Ended::Signalled => Err(Failure::Interrupted(
-            "stopped by a signal; the last line takes the force off".into(),
+            "stopped by a signal; the last line sets the force to 0".into(),
         )),
     }
 }

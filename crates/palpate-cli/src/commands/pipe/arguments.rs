@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueHint};
 use crate::pipe::{AnswerColumn, Columns, columns};
+use clap::{Args, ValueHint};
 use palpate_record::unit::LengthUnit;
 
 use crate::arguments::{Flags, Given};

@@ -6,8 +6,8 @@ mod world;
 
 use std::io;
 
-use palpate::LARGEST_DELAY;
 use crate::pipe::{Changeable, Format, Memory, PipeSummary, Stream, rendering};
+use palpate::LARGEST_DELAY;
 use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
@@ -41,7 +41,7 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
     );
     let &[method] = methods.as_slice() else {
         return Err(Failure::Arguments(
-            "pipe renders by one method; name it with --method".into(),
+            "pipe renders with one method; name it with --method".into(),
         ));
     };
     flags.check_settings(&methods)?;
@@ -69,7 +69,7 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
             "periods"
         };
         return Err(Failure::Arguments(format!(
-            "--delay is {periods} {unit}, and a renderer can be told of {LARGEST_DELAY} at most"
+            "--delay is {periods} {unit}, but the renderer models at most {LARGEST_DELAY}"
         )));
     }
     // Check contact and loop first: their errors do not depend on the method.
@@ -129,18 +129,18 @@ fn soft_start(arguments: &PipeArguments, defaults: &SafetyParams) -> Result<f64,
 /// Describes default limits of the force, if there are any.
 fn limits_in_words(force: Option<f64>, soft_start: Option<f64>) -> Option<String> {
     let comes_in = |seconds| {
-        format!("where a start or a recovery finds contact, the force comes in over {seconds} s")
+        format!("in contact at the start or after a recovery, the force ramps up over {seconds} s")
     };
     match (force, soft_start) {
         (Some(force), Some(seconds)) => Some(format!(
-            "forces are limited to {force} N; {}; --force-limit inf and --soft-start 0 switch that off",
+            "forces are limited to {force} N; {}; --force-limit inf and --soft-start 0 disable this",
             comes_in(seconds)
         )),
         (Some(force), None) => Some(format!(
-            "forces are limited to {force} N; --force-limit inf switches that off"
+            "forces are limited to {force} N; --force-limit inf disables this"
         )),
         (None, Some(seconds)) => Some(format!(
-            "{}; --soft-start 0 switches that off",
+            "{}; --soft-start 0 disables this",
             comes_in(seconds)
         )),
         (None, None) => None,

@@ -75,7 +75,7 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<WorldStream, Fa
         messages.tell(limits);
     }
     Ok(WorldStream {
-        names: Names::of(&scene.world),
+        names: Names::new(&scene.world),
         world,
         period: scene.timing.period,
         format,

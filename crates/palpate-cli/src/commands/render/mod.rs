@@ -32,8 +32,8 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     }
     if arguments.trace.extension().is_some_and(|it| it == "toml") {
         return Err(Failure::Arguments(format!(
-            "{}: render takes a table of positions; a world takes one by --input RECORDING.csv, with the columns \
-             t,x,y,z, or others by --columns",
+            "{}: render requires a table of positions; for a world, pass it with --input RECORDING.csv, with the \
+             columns t,x,y,z, or others with --columns",
             arguments.trace.display()
         )));
     }
@@ -83,7 +83,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         ReplayKind::Hand => {
             let device_mass = setup.device_mass.ok_or_else(|| {
                 Failure::Arguments(
-                    "--replay hand needs --device-mass <kg>, finite and above 0: what the recorded hand \
+                    "--replay hand needs --device-mass <kg>, finite and above 0: the mass that the recorded hand \
                      moved; --replay motion needs none"
                         .into(),
                 )

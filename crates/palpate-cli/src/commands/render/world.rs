@@ -37,7 +37,7 @@ pub fn run(arguments: &RenderArguments, input: &Path) -> Result<(), Failure> {
         AnyScene::World(file) => file,
         AnyScene::Contact(_) => {
             return Err(Failure::Arguments(format!(
-                "--input: {} is one contact; a motion is rendered there by render TRACE.csv --stiffness ...",
+                "--input: {} is one contact; use render TRACE.csv --stiffness ...",
                 path.display()
             )));
         }

@@ -21,7 +21,7 @@ pub fn run(
 ) -> Result<(), Failure> {
     worlds::only(&arguments.given, &FLAGS, &arguments.recording)?;
     let name = arguments.recording.display().to_string();
-    let recorded = RecordedWorld::of(recording).map_err(|error| match error {
+    let recorded = RecordedWorld::new(recording).map_err(|error| match error {
         RecordedWorldError::World(faults) => Failure::inputs(faults),
         other => Failure::input(other),
     })?;

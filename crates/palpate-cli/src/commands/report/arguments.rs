@@ -28,13 +28,13 @@ pub struct ReportArguments {
     #[arg(long, value_name = "TEXT", help_heading = "Sources")]
     pub name: Option<String>,
     /// Desired stiffness, also that of a session's wall [N/m] [default: the recording's, or 1000; in a session 300]
-    #[arg(long, value_name = "N/m", value_parser = number, help_heading = "What can be rendered")]
+    #[arg(long, value_name = "N/m", value_parser = number, help_heading = "Renderable contacts")]
     pub stiffness: Option<f64>,
     /// Period of the loop [s] [default: the recording's, or the device file's; in a session 0.001]
-    #[arg(long, value_name = "s", value_parser = period, help_heading = "What can be rendered")]
+    #[arg(long, value_name = "s", value_parser = period, help_heading = "Renderable contacts")]
     pub period: Option<f64>,
     /// Methods to compare, separated by commas, or all [default: basic,virtual-damper,hfcr,coupled]
-    #[arg(long, value_name = "NAME", value_parser = methods, help_heading = "What can be rendered")]
+    #[arg(long, value_name = "NAME", value_parser = methods, help_heading = "Renderable contacts")]
     pub method: Option<Methods>,
     /// The device of a session.
     #[command(flatten)]

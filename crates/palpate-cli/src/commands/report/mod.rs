@@ -6,9 +6,9 @@ mod session;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use palpate_study::calibrate::Calibration;
 use palpate_record::files::bounded::DEVICE;
 use palpate_record::recording::Recording;
+use palpate_study::calibrate::Calibration;
 use palpate_study::card::{
     CalibrationRun, Card, CardError, CardProgress, MAX_RECORDINGS, Sources, file_name, utc,
 };
@@ -45,7 +45,7 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
     if let Some(recording) = &kept {
         if recording.exists() {
             return Err(Failure::System(format!(
-                "{} is there already, and no recording is ever replaced; name another with --record",
+                "{} exists, and recordings are never replaced; name another file with --record",
                 recording.display()
             )));
         }
@@ -104,12 +104,12 @@ fn check(arguments: &ReportArguments) -> Result<Option<PathBuf>, Failure> {
     }
     if arguments.recordings.len() > MAX_RECORDINGS {
         return Err(Failure::Arguments(format!(
-            "{} recordings are given, but a page has room for {MAX_RECORDINGS}",
+            "{} recordings are given, but a page holds at most {MAX_RECORDINGS}",
             arguments.recordings.len()
         )));
     }
     if arguments.out.is_none() && !arguments.json {
-        return wrong("where to? --out PAGE.html writes the page, --json prints the report");
+        return wrong("no output: --out PAGE.html writes the page, --json prints the report");
     }
     for (flag, value) in [
         ("--stiffness", arguments.stiffness),
@@ -131,12 +131,12 @@ fn check(arguments: &ReportArguments) -> Result<Option<PathBuf>, Failure> {
             ("--fast", arguments.fast),
         ];
         return match given.iter().find(|(_, is_given)| *is_given) {
-            Some((flag, _)) => wrong(&format!("{flag} is of a session; name its --device")),
+            Some((flag, _)) => wrong(&format!("{flag} is for a session; name its --device")),
             None => Ok(None),
         };
     }
     if !arguments.recordings.is_empty() {
-        return wrong("a report is of recordings, or of a session on a --device; not of both");
+        return wrong("a report covers recordings or a session on a --device, not both");
     }
     let beside = |out: &PathBuf| out.with_extension("mcap");
     match arguments
@@ -145,7 +145,9 @@ fn check(arguments: &ReportArguments) -> Result<Option<PathBuf>, Failure> {
         .or_else(|| arguments.out.as_ref().map(beside))
     {
         Some(recording) => Ok(Some(recording)),
-        None => wrong("a session is recorded: name the file with --record, or the page with --out"),
+        None => {
+            wrong("a session needs a recording file: name it with --record, or the page with --out")
+        }
     }
 }
 
@@ -170,7 +172,7 @@ fn make(
         made: utc(SystemTime::now()),
     };
     let progress = Progress::new(Card::steps(methods.len()));
-    let made = Card::of(&sources, |at| match at {
+    let made = Card::new(&sources, |at| match at {
         CardProgress::Part(part) => progress.begin(part),
         CardProgress::Step => progress.advance(),
     });

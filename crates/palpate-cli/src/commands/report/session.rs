@@ -79,7 +79,7 @@ pub fn record(
     };
     let scene = &file.scene;
     tell(format_args!(
-        "a session of {} s: move the device into `{}`, {} N/m from {} m on; ctrl-C ends it",
+        "session of {} s: move the device into `{}`, {} N/m from {} m on; ctrl-C ends it",
         arguments.duration,
         scene.title,
         digits(arguments.stiffness.unwrap_or(scene.contact.stiffness)),

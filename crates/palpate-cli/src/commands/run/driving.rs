@@ -37,8 +37,8 @@ pub fn drive<C: Clock, R: Renders + 'static>(
     most: Option<u64>,
     guarding: &Guarding,
 ) -> Result<Ran<C, R>, Failure> {
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let stop = StopFlag::on_signals()
+        .map_err(|error| Failure::System(format!("cannot handle signals: {error}")))?;
     let progress = Progress::new(1);
     progress.begin("running; ctrl-C ends it");
     let to = record.as_ref().map(|(path, metadata)| (*path, metadata));

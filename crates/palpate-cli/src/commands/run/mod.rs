@@ -108,7 +108,7 @@ pub fn run_session(
 pub fn tell_what_a_loop_has_not(scene: &Scene) {
     if scene.timing != Timing::default() || scene.delay.fraction() != 0.0 {
         tell(
-            "warning: the scene's jitter, drops and fractions of a delay are for the simulator; this loop has its own",
+            "warning: the scene's jitter, drops and delay fraction are for simulation; this loop has its own",
         );
     }
 }

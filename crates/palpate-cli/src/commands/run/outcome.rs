@@ -38,7 +38,7 @@ pub fn of<D: Device, C: Clock, R: Renders>(
 ) -> Result<(), Failure> {
     if let Some(words) = &end.panic {
         return Err(Failure::System(format!(
-            "the loop panicked, and no force was commanded: {words}"
+            "the loop panicked; the commanded force is 0: {words}"
         )));
     }
     unwritten.map_or(Ok(()), Err)?;
@@ -48,7 +48,7 @@ pub fn of<D: Device, C: Clock, R: Renders>(
     recording.map_or(Ok(()), whole_or_said)?;
     if end.ending == Ending::Stopped && asked.duration.is_finite() {
         return Err(Failure::Interrupted(format!(
-            "stopped before its {} s were over; what was done is kept",
+            "stopped before the end of {} s; results so far are kept",
             asked.duration
         )));
     }

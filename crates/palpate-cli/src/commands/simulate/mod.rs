@@ -66,9 +66,9 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let mut of_further = Vec::with_capacity(further.len());
     for scene in &further {
         let (bench, runs) = run_all(scene)?;
-        of_further.push(Report::new(&Subject::of(scene), bench.reference(), &runs));
+        of_further.push(Report::new(&Subject::new(scene), bench.reference(), &runs));
     }
-    let subject = Subject::of(&scene);
+    let subject = Subject::new(&scene);
     let mut metadata = metadata(&subject, scene.object, scene.virtual_force, &runs);
     metadata.extend(plant_metadata(&scene));
     let actuator = actuator_of(&scene);
@@ -108,8 +108,8 @@ fn further_seeds(arguments: &SimulateArguments, scene: &Scene) -> Result<Vec<Sce
     let refused = |why: String| Err(Failure::Arguments(format!("--seeds {count}: {why}")));
     let Some(first) = scene.random_seed() else {
         return refused(
-            "nothing is random in this scene, which has no jitter, drops by probability or sensor noise, so every seed \
-             gives the same numbers; leave it out"
+            "nothing is random in this scene (no jitter, drop probability or sensor noise), so every seed gives the \
+             same numbers; omit the flag"
                 .into(),
         );
     };
@@ -120,7 +120,7 @@ fn further_seeds(arguments: &SimulateArguments, scene: &Scene) -> Result<Vec<Sce
     ] {
         if is_given {
             return refused(format!(
-                "{flag} writes the ticks of one seed; leave out --seeds and choose one by --seed"
+                "{flag} writes the ticks of one seed; omit --seeds and choose one with --seed"
             ));
         }
     }
@@ -172,7 +172,7 @@ fn read_text(path: &Path) -> Result<String, Failure> {
     let ending = ending.map(str::to_ascii_lowercase).unwrap_or_default();
     if ["csv", "mcap"].contains(&ending.as_str()) {
         return Err(Failure::Arguments(format!(
-            "{name}: a scene is a TOML file, and .{ending} is of a recording, for `palpate render` or `palpate replay`"
+            "{name}: a scene is a TOML file; .{ending} is a recording, for `palpate render` or `palpate replay`"
         )));
     }
     let bytes = SCENE
@@ -197,7 +197,7 @@ fn tell_doubts(name: &str, scene: &Scene) {
         && let Some(spacing) = Spacing::implausible(path.times())
     {
         let column = spacing.likely_unit().map_or_else(String::new, |unit| {
-            format!(" Then call its column t_{unit}")
+            format!(" If so, name its column t_{unit}")
         });
         tell(format_args!(
             "warning: {name}: hand.intention: {spacing}{column}"
@@ -206,7 +206,7 @@ fn tell_doubts(name: &str, scene: &Scene) {
     if let Some(excess) = inside::excess(path.times(), path.positions()) {
         let column = excess.likely_unit().position_column();
         tell(format_args!(
-            "warning: {name}: hand.intention: {excess} Then call its column {column}"
+            "warning: {name}: hand.intention: {excess} If so, name its column {column}"
         ));
     }
 }

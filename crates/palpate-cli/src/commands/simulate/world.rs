@@ -26,8 +26,8 @@ const FLAGS: [&str; 6] = [
 pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
     if arguments.seeds > 1 {
         return Err(Failure::Arguments(format!(
-            "--seeds {}: nothing is random in a world, which has no jitter, drops or sensor noise, so every seed gives the \
-             same numbers; leave it out",
+            "--seeds {}: nothing is random in a world (no jitter, drops or sensor noise), so every seed gives the same \
+             numbers; omit the flag",
             arguments.seeds
         )));
     }

@@ -73,7 +73,7 @@ impl SuiteArguments {
         })?;
         if self.seeds > 1 && self.write_scenes.is_some() {
             return Err(Failure::Arguments(
-                "--write-scenes: the files are named by the plants of one seed; leave out --seeds"
+                "--write-scenes: the files are named after the plants of one seed; omit --seeds"
                     .into(),
             ));
         }
@@ -85,7 +85,7 @@ impl Compared {
     /// Returns the compared columns: methods with their defaults, or the columns of a file. Without a name, every
     /// method.
     pub fn columns(&self) -> Result<Vec<Column>, Failure> {
-        self.columns_or(|| MethodName::ALL.map(Column::of).to_vec())
+        self.columns_or(|| MethodName::ALL.map(Column::new).to_vec())
     }
 
     /// Returns the compared columns, or `otherwise` without a name.
@@ -97,7 +97,7 @@ impl Compared {
             let Some(methods) = &self.method else {
                 return Ok(otherwise());
             };
-            return Ok(methods.0.iter().copied().map(Column::of).collect());
+            return Ok(methods.0.iter().copied().map(Column::new).collect());
         };
         let name = path.display();
         let text = SCENE

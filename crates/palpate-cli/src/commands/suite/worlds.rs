@@ -14,7 +14,7 @@ const FLAGS: [&str; 5] = ["set", "plants", "seed", "seeds", "json"];
 pub fn run(set: WorldSet, arguments: &SuiteArguments) -> Result<(), Failure> {
     if let Some(flag) = arguments.given.other_than(&FLAGS) {
         return Err(Failure::Arguments(format!(
-            "{flag}: with --set {} stand --plants, --seed, --seeds and --json",
+            "{flag}: with --set {}, the allowed flags are --plants, --seed, --seeds and --json",
             set.name()
         )));
     }

@@ -29,7 +29,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     let methods = flags.methods(file.scene.method);
     let &[method] = methods.as_slice() else {
         return Err(Failure::Arguments(
-            "tune looks at one method; name it with --method".into(),
+            "tune varies one method; name it with --method".into(),
         ));
     };
     flags.check_settings(&methods)?;
@@ -39,7 +39,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     })?;
     if flags.settings().has(setting.key) {
         return Err(Failure::Arguments(format!(
-            "{} is what tune looks for; say where with --from and --to",
+            "{} is the setting that tune varies; give its range with --from and --to",
             flag_of_setting(setting)
         )));
     }

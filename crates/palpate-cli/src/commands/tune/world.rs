@@ -41,14 +41,14 @@ pub fn run(
     let method = worlds::one_method(&arguments.flags, scene)?;
     let tunable = Tunable::named(method).ok_or_else(|| {
         Failure::Arguments(format!(
-            "{method} has nothing to tune on a world; {} have: name one with --method",
+            "{method} has no setting to tune on a world; methods with one: {}; name one with --method",
             Tunable::ALL.map(Tunable::name).join(", ")
         ))
     })?;
     let mut outputs = arguments.overwriting.outputs();
     outputs.protect(&arguments.scene);
     arguments.picture.plan(&mut outputs)?;
-    let scale = Scale::of(scene);
+    let scale = Scale::new(scene);
     let curve = &arguments.curve;
     let is_given = curve.from.is_some() || curve.to.is_some();
     let settings = if is_given {
@@ -58,7 +58,7 @@ pub fn run(
         tunable.with_dampings(scale, |_| dampings.clone())
     } else if curve.steps.is_some() {
         return Err(Failure::Arguments(
-            "--steps: on a world it stands with --from or --to, the range of the damping".into(),
+            "--steps: on a world it requires --from or --to, the range of the damping".into(),
         ));
     } else {
         tunable.candidates(scale)
@@ -83,7 +83,7 @@ pub fn run(
     }
     if tuned.iter().all(|one| one.error().is_none()) {
         return Err(Failure::input(format!(
-            "{}: the ideal touches no tool in the window, so there is no error to make small",
+            "{}: the ideal has no contact with a tool in the window, so there is no error to minimise",
             path.display()
         )));
     }

@@ -77,8 +77,8 @@ impl WorldFormat {
         }
         if names.len() > 1 && names.iter().all(|name| is_named(name)) {
             return Err(format!(
-                "the first line names the columns `{}`, and a line is `{}`, in this order: --unit says the unit, and --time \
-                 whether a time stands before the positions",
+                "the header has the columns `{}`; expected `{}`, in this order: --unit sets the unit, --time adds \
+                 a time before the positions",
                 text.escape_debug(),
                 columns.join(",")
             ));
@@ -93,11 +93,11 @@ impl WorldFormat {
     pub fn parse(&self, text: &str) -> Result<WorldSample, Refusal> {
         let shape = format!("`{}`", self.columns().join(","));
         if text.is_empty() {
-            let why = format!("the line is empty; a line is {shape}");
+            let why = format!("the line is empty; expected {shape}");
             return Err(Refusal::Line(why));
         }
         if text.split_whitespace().next() == Some("set") {
-            let why = "a world takes no changes while it runs";
+            let why = "`set` is not available for a world";
             return Err(Refusal::Line(why.into()));
         }
         let fields: Vec<&str> = text.split(',').map(str::trim).collect();
@@ -105,7 +105,7 @@ impl WorldFormat {
         for field in &fields {
             let number: f64 = field.parse().map_err(|_| {
                 let field = field.escape_debug();
-                Refusal::Line(format!("\"{field}\" is not a number; a line is {shape}"))
+                Refusal::Line(format!("\"{field}\" is not a number; expected {shape}"))
             })?;
             numbers.push(number);
         }
@@ -117,13 +117,13 @@ impl WorldFormat {
         let asked: usize = self.devices.iter().map(of).sum();
         if positions.len() != asked {
             return Err(Refusal::Stream(format!(
-                "`{text}` has {} columns, and a line is {shape}: write decimals with a point, as in \
+                "`{text}` has {} columns; expected {shape}: write decimals with a point, as in \
                  0.001{}",
                 fields.len(),
                 if self.time {
                     ""
                 } else {
-                    ", and add --time if a time stands before the positions"
+                    ", and add --time if a time precedes the positions"
                 }
             )));
         }
@@ -175,7 +175,7 @@ fn named<'m>(
 mod tests {
     use super::*;
 
-    fn of(devices: &[&str], time: bool) -> WorldFormat {
+    fn new(devices: &[&str], time: bool) -> WorldFormat {
         WorldFormat {
             time,
             unit: LengthUnit::Metre,

@@ -13,7 +13,7 @@ pub struct Names {
 impl Names {
     /// Returns the names of `world`.
     #[must_use]
-    pub fn of(world: &World) -> Self {
+    pub fn new(world: &World) -> Self {
         Self {
             tools: world.tools.iter().map(|tool| tool.name.clone()).collect(),
             bodies: world.bodies.iter().map(|body| body.name.clone()).collect(),
@@ -31,7 +31,9 @@ impl Names {
     #[must_use]
     pub fn inside(&self, between: [Side; 2]) -> String {
         let [one, mesh] = between.map(|side| self.side(side));
-        format!("\"{one}\" begins inside \"{mesh}\", and nothing pushes it until it has come out")
+        format!(
+            "\"{one}\" starts inside \"{mesh}\"; no contact force acts on it until it is outside"
+        )
     }
 
     /// Describes a tool or body that has come out of the far side of a solid.

@@ -114,8 +114,8 @@ impl WorldStream {
         self.summary.guarded += u64::from(limited.guard);
         if limited.guard && self.summary.guarded == 1 {
             self.tell(format_args!(
-                "line {number}: the forces could give out more energy than there is; further ones are counted, and \
-                 the summary has their number"
+                "line {number}: the forces exceed the bound of the passivity guard; further lines are only counted \
+                 in the summary"
             ));
         }
         self.summary.softened += u64::from(bounded.soft_start);
@@ -133,15 +133,15 @@ impl WorldStream {
             self.memory.is_limited = true;
             let limit = self.limit_in_words();
             self.tell(format_args!(
-                "line {number}: a contact asks for more than the limit of {limit}; further limited \
-                 forces are counted, and the summary has their number"
+                "line {number}: a contact force exceeds the limit of {limit}; further limited forces are only \
+                 counted in the summary"
             ));
         }
         if limited.offset && !self.memory.is_far {
             self.memory.is_far = true;
             self.tell(format_args!(
-                "line {number}: a tool's proxy is as far from its device as it may be, 10 mm or 0.3 rad: what it touches seems to \
-                 stand elsewhere until the proxy has come back"
+                "line {number}: a proxy offset is at its limit of 10 mm or 0.3 rad: touched objects feel displaced \
+                 until the offset has decayed"
             ));
         }
         if fault.is_none() && !self.memory.is_begun {
@@ -248,8 +248,7 @@ impl WorldStream {
         } else if refused.is_power_of_two() {
             let next = refused.saturating_mul(2);
             self.tell(format_args!(
-                "line {number}: {why}; all forces are 0 (refused so far: {refused}; the next to be told is \
-                 number {next})"
+                "line {number}: {why}; all forces are 0 (refused so far: {refused}; next message at {next})"
             ));
         }
     }

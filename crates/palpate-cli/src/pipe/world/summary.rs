@@ -86,7 +86,7 @@ impl fmt::Display for WorldSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, {} refused, {} limited; leak {} if the loop is as modelled, friction and damping took {}",
+            "{}, {} refused, {} limited; leak {} if the loop is as modelled, friction and damping dissipated {}",
             counted(self.samples, "sample"),
             self.refused,
             counted(self.limited, "line"),

@@ -28,7 +28,7 @@ fn a_program_whose_loop_does_something_bad() {
     let clock = MonotonicClock::new();
     let period = Duration::from_millis(2);
     let calibration = Calibration::At([130.0, 50.0]);
-    let options = Options::of(Generation::Three, calibration, period).unwrap();
+    let options = Options::new(Generation::Three, calibration, period).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
     command.arg("watchdog");
     let device = TwoDiy::open(&PathBuf::from(port), &options, clock).unwrap();

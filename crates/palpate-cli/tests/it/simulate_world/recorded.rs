@@ -104,7 +104,7 @@ fn a_recorders_table_is_rendered_in_a_world_as_flags_say() {
     folder.fail(
         &format!("{render} far.csv"),
         3,
-        &["from its place in the scene", "--unit mm"],
+        &["from its position in the scene", "--unit mm"],
     );
 }
 

@@ -32,10 +32,10 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Dropped => "the next answer is lost",
-            Self::Twice => "the next answer comes twice",
-            Self::Late => "the next answer comes with the one after it",
+            Self::Twice => "the next answer is sent twice",
+            Self::Late => "the next answer is sent together with its successor",
             Self::Stall(lasts) => {
-                return write!(f, "the service stands still for {} s", lasts.as_secs_f64());
+                return write!(f, "the service stalls for {} s", lasts.as_secs_f64());
             }
             Self::Garbage => "the next answer is not JSON",
             Self::HalfFrame => "the next answer ends in the middle of its JSON",

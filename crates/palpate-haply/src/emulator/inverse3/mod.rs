@@ -25,11 +25,11 @@ use palpate_device::Vector;
 use palpate_testbed::InvalidParameter;
 use serde_json::json;
 
+use crate::inverse3::Form;
+use crate::inverse3::Status;
 use device::EmulatedDevice;
 use events::Audience;
 use fault::{Faults, SplitMix64};
-use crate::inverse3::Form;
-use crate::inverse3::Status;
 
 pub use device::{Body, holding};
 pub use fault::{Fault, Latency};

@@ -164,7 +164,7 @@ impl LoopDevice for SteppedInverse3 {
 
     fn read(&mut self) -> Result<Pose, DeviceError> {
         self.exchange();
-        let nothing = DeviceError::new(DeviceErrorKind::NothingNew, "no answer since the last one");
+        let nothing = DeviceError::new(DeviceErrorKind::NothingNew, "no new answer");
         let (time, seen) = self.arrived.take().ok_or(nothing)?;
         self.seen = seen.at;
         Ok(Pose {

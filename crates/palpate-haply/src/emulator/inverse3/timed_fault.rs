@@ -84,8 +84,8 @@ impl FromStr for TimedFault {
         understood().ok_or_else(|| {
         let kinds: Vec<&str> = KINDS.iter().map(|(name, _)| *name).collect();
         NoTimedFault(format!(
-            "KIND@SECONDS is needed, with one of {}, or KIND=SECONDS@SECONDS, with one of stall, \
-             unplug, no-power",
+            "allowed: KIND@SECONDS with KIND one of {}; KIND=SECONDS@SECONDS with KIND one of stall, unplug, \
+             no-power",
             kinds.join(", ")
         ))
     })

@@ -146,7 +146,7 @@ impl Arm {
         angles: [f64; 2],
     ) -> Result<Self, String> {
         let name = format!("2diy-gen{}", generation.number());
-        let linkage = Linkage::preset(&name).ok_or_else(|| format!("no device {name}"))?;
+        let linkage = Linkage::preset(&name).ok_or_else(|| format!("unknown device {name}"))?;
         let params = PantographParams {
             // The board has its own.
             counts_per_rev: None,

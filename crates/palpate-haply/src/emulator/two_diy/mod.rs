@@ -29,10 +29,10 @@ pub use stepped::SteppedTwoDiy;
 pub use timed_fault::{FaultKind, NoTimedFault, TimedFault};
 pub use usb::Usb;
 
-use arm::Arm;
-use firmware::{Firmware, Wire};
 use crate::two_diy::packet::REPLY_LENGTH;
 use crate::two_diy::{Board, Generation};
+use arm::Arm;
+use firmware::{Firmware, Wire};
 use palpate_testbed::actuator::ActuatorParams;
 use port::Port;
 pub use port::PortSettings;
@@ -67,7 +67,7 @@ pub struct Settings {
 impl Settings {
     /// Creates settings for a generation on a board, as sold, without a hand or delays, and with ideal motors.
     #[must_use]
-    pub fn of(generation: Generation, board: Board) -> Self {
+    pub fn new(generation: Generation, board: Board) -> Self {
         Self {
             generation,
             board,
@@ -130,22 +130,20 @@ pub enum Fault {
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Stall(lasts) => write!(f, "the board stands still for {} s", lasts.as_secs_f64()),
-            Self::Unplug(lasts) => write!(f, "the cable is pulled for {} s", lasts.as_secs_f64()),
+            Self::Stall(lasts) => write!(f, "the board stalls for {} s", lasts.as_secs_f64()),
+            Self::Unplug(lasts) => {
+                write!(f, "the cable is unplugged for {} s", lasts.as_secs_f64())
+            }
             Self::Garbage(bytes) => {
-                write!(
-                    f,
-                    "{} bytes that are no answer come before the next",
-                    bytes.len()
-                )
+                write!(f, "{} invalid bytes precede the next answer", bytes.len())
             }
             Self::HalfAnswer => f.write_str("half of the next answer is lost"),
             Self::NoAnswer => f.write_str("the next answer is lost"),
             Self::LateAnswer(by) => write!(f, "the next answer is late by {} s", by.as_secs_f64()),
-            Self::TwoAnswers => f.write_str("the next answer comes twice"),
-            Self::OtherId => f.write_str("the next answer is that of another device"),
-            Self::NotANumber => f.write_str("the next answer has an angle that is not a number"),
-            Self::Slip(degrees) => write!(f, "the encoders lose count by {degrees} degrees"),
+            Self::TwoAnswers => f.write_str("the next answer is sent twice"),
+            Self::OtherId => f.write_str("the next answer has another device id"),
+            Self::NotANumber => f.write_str("the next answer contains a NaN angle"),
+            Self::Slip(degrees) => write!(f, "the encoders slip by {degrees} degrees"),
         }
     }
 }

@@ -38,7 +38,7 @@ impl Pty {
         let name = ptsname(&board, Vec::new())?;
         let path = PathBuf::from(
             name.into_string()
-                .map_err(|_| io::Error::other("a terminal without a name"))?,
+                .map_err(|_| io::Error::other("the terminal has no name"))?,
         );
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC;
         let host = rustix::fs::open(&path, flags, Mode::empty())?;

@@ -3,11 +3,11 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use palpate_device::clock::{Clock, SteppedClock};
-use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench};
 use crate::two_diy::kinematics::ArmPose;
 use crate::two_diy::packet::{Heard, Replies, setup, state};
 use crate::two_diy::{Board, Layout, torques};
+use palpate_device::clock::{Clock, SteppedClock};
+use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench};
 
 use super::arm::Arm;
 use super::firmware::{Did, Firmware, Wire};
@@ -143,7 +143,7 @@ impl Device for SteppedTwoDiy {
                 angles = Some(heard);
             }
         }
-        let angles = angles.ok_or(nothing("the board gave no answer"))?;
+        let angles = angles.ok_or(nothing("the board did not answer"))?;
         let radians = angles.map(|angle| f64::from(angle).to_radians());
         self.pose = self.layout.geometry.pose(radians).ok();
         let pose = self.pose.as_ref().ok_or(nothing("the arm has no pose"))?;

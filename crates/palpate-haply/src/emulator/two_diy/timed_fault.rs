@@ -60,7 +60,7 @@ impl FaultKind {
 
 /// The text is not a timed fault.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("KIND[=VALUE]@SECONDS is needed, such as stall=0.05@3; the kinds are {}", FaultKind::NAMED.map(|(name, ..)| name).join(", "))]
+#[error("allowed: KIND[=VALUE]@SECONDS, such as stall=0.05@3; kinds: {}", FaultKind::NAMED.map(|(name, ..)| name).join(", "))]
 pub struct NoTimedFault;
 
 /// Parses `KIND[=VALUE]@SECONDS`.
@@ -97,7 +97,7 @@ impl TimedFault {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a cast saturates, and so many bytes nobody sends"
+            reason = "the cast saturates, and the count is limited to 10 000"
         )]
         let fault = match self.kind {
             FaultKind::Stall => Fault::Stall(time()?),

@@ -38,7 +38,7 @@ pub enum ConnectError {
     },
     /// No server answers at the address.
     #[error(
-        "nobody answers at {url}: {error}; start Haply's Inverse Service, or \
+        "no answer from {url}: {error}; start Haply's Inverse Service, or \
          `palpate emulate inverse3` to try without a device"
     )]
     Nobody {
@@ -48,7 +48,7 @@ pub enum ConnectError {
         error: io::Error,
     },
     /// A server answers, but it is not the Inverse Service.
-    #[error("{url} answers, but is no Inverse Service: {what}")]
+    #[error("{url} answers, but is not an Inverse Service: {what}")]
     NoService {
         /// Address.
         url: String,
@@ -69,18 +69,18 @@ impl Address {
         } else {
             format!("ws://{given}")
         };
-        let uri: Uri = url.parse().map_err(|_| wrong("it is no address"))?;
+        let uri: Uri = url.parse().map_err(|_| wrong("not an address"))?;
         if uri.scheme_str() != Some("ws") {
-            return Err(wrong("the service speaks ws:// only"));
+            return Err(wrong("only ws:// is supported"));
         }
         let host = uri.host().filter(|host| !host.is_empty());
-        let host = host.ok_or_else(|| wrong("it has no host"))?;
+        let host = host.ok_or_else(|| wrong("no host"))?;
         let authority = uri.authority().map_or("", |authority| authority.as_str());
         let port = match uri.port_u16() {
-            Some(0) => return Err(wrong("nobody is at port 0")),
+            Some(0) => return Err(wrong("port 0 is invalid")),
             Some(port) => port,
             None if authority == host => PORT,
-            None => return Err(wrong("its port is no port")),
+            None => return Err(wrong("not a valid port")),
         };
         let path = uri.path_and_query().map_or("/", |path| path.as_str());
         Ok(Self {
@@ -219,13 +219,13 @@ mod tests {
     #[test]
     fn what_is_no_address_is_refused() {
         for (given, words) in [
-            ("wss://localhost:1", "ws:// only"),
-            ("http://localhost", "ws:// only"),
-            ("ws://", "no address"),
+            ("wss://localhost:1", "only ws://"),
+            ("http://localhost", "only ws://"),
+            ("ws://", "not an address"),
             ("localhost:port", "no"),
             ("localhost:70000", "no"),
             ("localhost:0", "port 0"),
-            ("", "no address"),
+            ("", "not an address"),
         ] {
             let said = Address::parse(given).unwrap_err().to_string();
             assert!(said.contains(words) && said.contains("allowed"), "{said}");

@@ -68,7 +68,7 @@ impl Cause {
         Self::NotReady,
     ];
 
-    fn of(code: u8) -> Option<Self> {
+    fn new(code: u8) -> Option<Self> {
         Self::ALL.into_iter().find(|cause| *cause as u8 == code)
     }
 
@@ -92,10 +92,10 @@ impl Cause {
                 Self::Cut => "the connection to the Inverse Service is cut",
                 Self::Closed => "the Inverse Service has closed the connection",
                 Self::Silent => "the Inverse Service does not answer",
-                Self::DeviceGone => "the Inverse Service no longer has the device",
-                Self::Unplugged => "the Inverse3 was unplugged, says its service",
-                Self::Unreadable => "the Inverse Service sends frames that are none",
-                Self::Safety => "the Inverse3's own safety has acted, says its service",
+                Self::DeviceGone => "the Inverse Service no longer lists the device",
+                Self::Unplugged => "the service reports that the Inverse3 was unplugged",
+                Self::Unreadable => "the Inverse Service sends invalid frames",
+                Self::Safety => "the service reports a safety stop of the Inverse3",
                 Self::NoPower => Unfit::NoPower.text(),
                 Self::NotStarted => Unfit::NotStarted.text(),
                 Self::NotCalibrated => Unfit::NotCalibrated.text(),
@@ -266,13 +266,13 @@ impl Link {
 
     /// Returns the reason why the device receives no force now, if any.
     pub fn unfit(&self) -> Option<Cause> {
-        Cause::of(self.unmodelled.load(Ordering::Acquire))
-            .or_else(|| Cause::of(self.unfit.load(Ordering::Acquire)))
+        Cause::new(self.unmodelled.load(Ordering::Acquire))
+            .or_else(|| Cause::new(self.unfit.load(Ordering::Acquire)))
     }
 
     /// Returns the error for the loop, if any.
     pub fn error(&self) -> Option<DeviceError> {
-        Cause::of(self.gone.load(Ordering::Acquire))
+        Cause::new(self.gone.load(Ordering::Acquire))
             .or(self.unfit())
             .map(Cause::error)
     }
@@ -457,8 +457,8 @@ mod tests {
     #[test]
     fn every_cause_has_a_code_of_its_own() {
         for cause in Cause::ALL {
-            assert_eq!(Cause::of(cause as u8), Some(cause));
+            assert_eq!(Cause::new(cause as u8), Some(cause));
         }
-        assert_eq!(Cause::of(0), None);
+        assert_eq!(Cause::new(0), None);
     }
 }

@@ -216,7 +216,7 @@ impl<C: Clock> Device for Inverse3<C> {
         if arrival.number == self.seen {
             return Err(DeviceError::new(
                 DeviceErrorKind::NothingNew,
-                "no answer of the Inverse Service since the last one",
+                "no new answer from the Inverse Service",
             ));
         }
         self.seen = arrival.number;

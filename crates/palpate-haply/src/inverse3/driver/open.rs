@@ -51,7 +51,7 @@ pub enum OpenError {
         error: FrameError,
     },
     /// The service has no Inverse3.
-    #[error("{url} has no Inverse3: plug one in, and see that its light is on")]
+    #[error("{url} has no Inverse3: plug one in and check that its light is on")]
     NoDevice {
         /// Address.
         url: String,
@@ -109,7 +109,7 @@ pub fn devices(service: &str, patience: Duration) -> Result<Vec<Found>, OpenErro
         device_id: device.device_id.clone(),
         model: device
             .model()
-            .map_or_else(|| "not said".to_owned(), ToString::to_string),
+            .map_or_else(|| "unknown".to_owned(), ToString::to_string),
         unfit: Unfit::at_first(device),
     });
     Ok(found.collect())
@@ -284,14 +284,14 @@ fn next(
     while Instant::now() < deadline {
         match socket.read() {
             Ok(Message::Text(text)) => return Ok(text.to_string()),
-            Ok(Message::Binary(_)) => return Err(wrong("it sends bytes, not JSON".to_owned())),
+            Ok(Message::Binary(_)) => return Err(wrong("binary data instead of JSON".to_owned())),
             Ok(_) => {}
             Err(tungstenite::Error::Io(error)) if super::is_a_pause(&error) => {}
             Err(error) => return Err(wrong(error.to_string())),
         }
     }
     let seconds = patience.as_secs_f64();
-    Err(wrong(format!("it sent nothing within {seconds} s")))
+    Err(wrong(format!("no message within {seconds} s")))
 }
 
 fn choose<'a>(

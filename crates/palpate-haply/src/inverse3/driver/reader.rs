@@ -91,7 +91,7 @@ impl<C: Clock> Reader<C> {
         let Some(device) = frame.device(&self.device_id) else {
             return Ok(None);
         };
-        let unfit = Unfit::of(&device.status).map(Cause::from);
+        let unfit = Unfit::new(&device.status).map(Cause::from);
         if unfit.is_some() {
             // The position may be missing in this state; report the reason nevertheless.
             self.link.set_unfit(unfit);

@@ -9,13 +9,13 @@ use std::time::{Duration, Instant};
 use palpate::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
+use palpate_live::{Devices, Home, Listening, Placed, Server, Session, SessionError, Setup};
 use palpate_record::recording::{Column, RecordingMetadata, columns};
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
-use palpate_live::{Devices, Home, Listening, Placed, Server, Session, SessionError, Setup};
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
@@ -377,7 +377,7 @@ impl Client {
             messages.push(ticks(&self.text("status")));
         }
         let lanes = &self.text("status")["lanes"];
-        assert_eq!(lanes[0]["unmodelled"], 0, "{lanes}");
+        assert_eq!(lanes[0]["unsent"], 0, "{lanes}");
         let frame = self.frame(|_| true);
         self.frame(|next| next.number == frame.number + 1);
     }

@@ -39,10 +39,10 @@ period_s -> perod_s
   24:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples, delay_fraction, delay_s, command_jitter_s, lag_s, gain, jitter_s, jitter_deviation_s, drop_probability, dropped_samples, collapse, seed
   perod_s
 [hand] -> [hnd]
-  19:2: unknown key hnd, did you mean hand? Known here: scene_format, title, object, device, hand, loop, told, measure, renderer, methods
+  19:2: unknown key hnd, did you mean hand? Known here: scene_format, title, object, device, hand, loop, model, measure, renderer, methods
   hnd
 [hand] -> [zzz]\n[hand]
-  19:2: unknown key zzz. Known here: scene_format, title, object, device, hand, loop, told, measure, renderer, methods
+  19:2: unknown key zzz. Known here: scene_format, title, object, device, hand, loop, model, measure, renderer, methods
   zzz
 collisions = 3 -> collisons = 3
   28:1: unknown key collisons, did you mean collisions? Known here: collisions, duration_s
@@ -73,10 +73,10 @@ period_s = 0.02\n ->
   1:1: the key measure is missing
   
 collisions = 3 -> collisions = 3\nduration_s = 1
-  27:1: [measure] needs either collisions or duration_s, one of them
+  27:1: [measure] needs either collisions or duration_s
   [measure]
 collisions = 3\n -> 
-  27:1: [measure] needs either collisions or duration_s, one of them
+  27:1: [measure] needs either collisions or duration_s
   [measure]"#,
         7,
     );
@@ -232,13 +232,13 @@ method = "hfcr" -> method = "magic"
   37:10: no method is called "?"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled
   "?"
 [methods.hfcr] -> [methods.basic]
-  38:1: basic has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
+  38:1: basic does not use damping_n_s_per_m; it is for virtual-damper, hfcr
   damping_n_s_per_m
 [methods.hfcr] -> [methods.hfcr-mod]
-  38:1: hfcr-mod has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
+  38:1: hfcr-mod does not use damping_n_s_per_m; it is for virtual-damper, hfcr
   damping_n_s_per_m
 damping_n_s_per_m = 0.1 -> damping_cap_n_s_per_m = 0.1
-  38:1: hfcr has no use for damping_cap_n_s_per_m; it is for popc, popc-ref
+  38:1: hfcr does not use damping_cap_n_s_per_m; it is for popc, popc-ref
   damping_cap_n_s_per_m
 damping_n_s_per_m = 0.1 -> damping_n_s_per_m = -0.1
   38:21: damping_n_s_per_m is -0.1 N s/m, but must be finite and not below 0
@@ -256,22 +256,22 @@ initial_energy_j = 0 -> initial_energy_j = -1
   43:20: initial_energy_j is -1 J, but must be finite and not below 0
   -1
 [methods.popc] -> [methods.popc-ref]
-  43:1: popc-ref has no use for initial_energy_j; it is for popc
+  43:1: popc-ref does not use initial_energy_j; it is for popc
   initial_energy_j
 estimate = "ab2" -> damping_n_s_per_m = 1
-  46:1: seh has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
+  46:1: seh does not use damping_n_s_per_m; it is for virtual-damper, hfcr
   damping_n_s_per_m
 estimate = "ab2" -> prediction = "observer"
-  46:1: seh has no use for prediction; it is for virtual-damper, hfcr
+  46:1: seh does not use prediction; it is for virtual-damper, hfcr
   prediction
 estimate = "ab2" -> correction = false
-  46:1: seh has no use for correction; it is for coupled
+  46:1: seh does not use correction; it is for coupled
   correction
 estimate = "ab2" -> entry_hold = "sample"
-  46:1: seh has no use for entry_hold; it is for hfcr-mod-st, hfcr
+  46:1: seh does not use entry_hold; it is for hfcr-mod-st, hfcr
   entry_hold
 damping_n_s_per_m = 0.1 -> damper_object = "spring"
-  38:1: hfcr has no use for damper_object; it is for virtual-damper
+  38:1: hfcr does not use damper_object; it is for virtual-damper
   damper_object
 damping_n_s_per_m = 0.1 -> damper_object = "both"
   38:17: unknown variant `both`, expected one of `spring-and-damper`, `spring`, `held-force`
@@ -305,7 +305,7 @@ force_n = 1\n -> tremor_n = 0.1\ntremor_hz = -8\n
   22:13: hand.tremor_hz is -8 Hz, but must be finite and greater than 0
   -8
 force_n = 1\n -> stiffness_n_per_m = 100\n
-  21:21: a hand of kind constant-force has no use for this; kind = "impedance" has
+  21:21: a hand of kind constant-force does not use this; kind = "impedance" does
   100
 kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nstiffness_n_per_m = -100
   21:21: hand.stiffness_n_per_m is -100 N/m, but must be finite and not below 0
@@ -329,13 +329,13 @@ force_n = 1\n -> release_s = -1\n
   21:13: hand.release_s is -1 s, but must be finite and not below 0
   -1
 force_n = 1\n -> intention = "hand.csv"\n
-  21:13: a hand of kind constant-force has no use for this; kind = "impedance" has
+  21:13: a hand of kind constant-force does not use this; kind = "impedance" does
   "hand.csv"
 kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nposition_m = 0.01\nintention = "hand.csv"
-  21:14: the recorded intention says where the hand wants to be
+  21:14: the recorded intention already sets the position of the hand
   0.01
 kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nintention = "hand.csv"
-  21:13: hand.csv cannot be read: this scene is read without the files beside it
+  21:13: hand.csv cannot be read: this scene is read without other files
   "hand.csv"
 kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nintention = 3
   21:13: invalid type: integer `3`, expected a string
@@ -402,7 +402,7 @@ kind = "point-mass" -> kind = "pantograph"
   13:8: a device of kind pantograph needs a preset, one of paper-like, 2diy-gen1, 2diy-gen2, 2diy-gen3, or a file
   "pantograph"
 kind = "point-mass" -> kind = "pantograph"\npreset = "paper-like"
-  15:11: a pantograph's preset or file says this; only position_m and safety_box stand beside it
+  15:11: a pantograph's preset or file sets this; only position_m and safety_box can be added
   0.25
 kind = "point-mass"\nmass_kg = 0.25 -> kind = "pantograph"\npreset = "paper"
   14:10: no preset is called "paper"; did you mean "paper-like"?

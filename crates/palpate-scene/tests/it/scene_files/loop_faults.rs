@@ -27,7 +27,7 @@ delay_samples = 0 -> dropped_samples = [0]
   25:19: loop.dropped_samples is 0, but must be indices from 1 on: a loop begins with sample 0
   [0]
 delay_samples = 0 -> drop_probability = 0.1\ndropped_samples = [3]
-  26:19: either drop_probability or dropped_samples, one of them
+  26:19: either drop_probability or dropped_samples, not both
   [3]
 delay_samples = 0 -> collapse = { from_s = 1, until_s = 0.5, period_s = 0.01 }
   25:36: loop.collapse.until_s is 0.5 s, but must be after the collapse begins [s]
@@ -100,7 +100,7 @@ delay_samples = 0 -> [model]\nresonance_hz = 9\nresonance_damping_ratio = 0.1\nf
   28:26: model.flexible_mass_fraction is 1, but must be from 0 to below 1
   1
 delay_samples = 0 -> [model]\nresonance_hz = 150
-  26:16: a transmission is told by resonance_hz, resonance_damping_ratio and flexible_mass_fraction, all three
+  26:16: a transmission model needs resonance_hz, resonance_damping_ratio and flexible_mass_fraction
   150"#,
         16,
     );
@@ -125,7 +125,7 @@ encoder_quantum_m = 0 -> resonance_hz = 150\nbacklash_m = -1
   18:14: device.backlash_m is -1 m, but must be finite and not below 0
   -1
 encoder_quantum_m = 0 -> backlash_m = 1e-4
-  17:14: this is of a flexible transmission, which needs resonance_hz
+  17:14: keys of a flexible transmission need resonance_hz
   1e-4
 encoder_quantum_m = 0 -> cogging_n = 0.1
   17:13: cogging needs both cogging_n and cogging_pitch_m

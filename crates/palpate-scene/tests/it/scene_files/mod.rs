@@ -326,7 +326,7 @@ fn a_window_the_ideal_cannot_fill_says_how_many_collisions_there_are() {
     assert_eq!(error, LoopError::TooFewCollisions { asked: 3, found: 1 });
     assert_eq!(
         error.to_string(),
-        "the window asks for 3 collisions, but the ideal has only 1; state a duration instead"
+        "the window requires 3 collisions, but the ideal has only 1; give a duration instead"
     );
     // Falling apart from the start: none.
     let text = edited("force_n = 1\n", "force_n = -9\n");

@@ -135,6 +135,6 @@ fn what_has_no_key_is_not_left_out_silently() {
     });
     assert_eq!(
         scene.to_toml().unwrap_err().to_string(),
-        "a scene file cannot say where a hand wants to be at every instant"
+        "a scene file cannot contain the recorded intention of a hand"
     );
 }

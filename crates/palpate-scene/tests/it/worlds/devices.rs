@@ -75,8 +75,8 @@ fn a_device_may_have_axes_of_its_own() {
     assert_eq!(
         said,
         [
-            "ball.toml:11:20: velocity_m_per_s has a part of 0.5 along an axis that the device lacks by its `axes`: its mechanism \
-             holds it there; write what lies along its axes only"
+            "ball.toml:11:20: velocity_m_per_s has a component of 0.5 along an axis that is not in the `axes` of the \
+             device: its mechanism blocks that axis; give components along its axes only"
         ]
     );
 }
@@ -141,12 +141,12 @@ fn axes_that_contradict_the_rest_are_refused() {
     assert_eq!(
         with("mass_kg = [0.25, 0.3, inf]"),
         [
-            "ball.toml:9:11: mass_kg is inf: name in `axes` the axes that the device has, such as axes = [\"x\", \"y\"], and give \
-             masses along these only"
+            "ball.toml:9:11: mass_kg is inf: list the axes of the device in `axes`, such as axes = [\"x\", \"y\"], \
+             and give masses along these only"
         ]
     );
     let moved = with("axes = [\"x\", \"y\"]\nmass_kg = 0.2\nvelocity_m_per_s = [0.1, 0.0, -0.1]");
-    let why = "along z, and by its `axes` the device moves along x and y only: its mechanism holds it along z; write 0 there";
+    let why = "along z, but the `axes` of the device are x and y only: its mechanism blocks z; write 0 there";
     assert_eq!(
         moved,
         [
@@ -177,7 +177,7 @@ fn a_device_says_whether_it_gives_a_torque() {
         assert_eq!(
             said(&with(&format!("gives_torque = {given}"))),
             [
-                "ball.toml:9:16: gives_torque is of a device of six axes, which has inertia_kg_m2, three moments"
+                "ball.toml:9:16: gives_torque needs a device of six axes, with inertia_kg_m2 (three moments)"
             ]
         );
     }

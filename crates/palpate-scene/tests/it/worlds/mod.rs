@@ -56,13 +56,13 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     assert!(
         as_one_contact
             .to_string()
-            .contains("the key format is of a world of several bodies")
+            .contains("the key format belongs to a world of several bodies")
     );
     let without = BALL.replace("format = 2", "");
     let said = palpate_scene::SceneFile::parse("ball.toml", &without).unwrap_err();
     let said = said.to_string();
     assert!(
-        said.contains("a world with [[device]] and [[body]] begins with format = 2"),
+        said.contains("a world with [[device]] and [[body]] needs format = 2"),
         "{said}"
     );
     let scene = WorldFile::parse("ball.toml", BALL).unwrap().scene;
@@ -148,7 +148,7 @@ fn a_fault_is_said_once() {
             "mass_kg = [0.25, 0.25, 1e200]",
             "mass_kg is 1",
         ),
-        ("name = \"tool\"", "name = \"left, upper\"", "has no comma"),
+        ("name = \"tool\"", "name = \"left, upper\"", "have no comma"),
         (
             "mass_kg = [0.25, 0.3, 0.35]",
             "mass_kg = 0.2\ninertia_kg_m2 = [1e-4, 1e-4]\norientation = [1, 0, 0, 0]\nquantum_rad = 1e-5",
@@ -190,7 +190,7 @@ fn a_body_has_no_control_character_in_its_name() {
     let [only] = &said[..] else {
         panic!("{said:?}");
     };
-    assert!(only.contains("has no control character"), "{only}");
+    assert!(only.contains("must have no control character"), "{only}");
 }
 
 /// A key at fault that has nothing to do with the axes does not hide that there are too few masses for them.
@@ -300,7 +300,7 @@ fn numbers_that_no_world_has_are_refused() {
         (
             "normal = [0.0, 0.0, 2.0]",
             "normal = [0.0, 0.0, 0.0]",
-            "normal has length 0 and so no direction; give it one",
+            "normal has length 0, so it has no direction; give a finite length above 0",
         ),
         (
             "friction = 0.3",
@@ -320,7 +320,7 @@ fn numbers_that_no_world_has_are_refused() {
         (
             "format = 2",
             "format = 3",
-            "format is 3; a world with [[device]] and [[body]] has 2",
+            "format is 3; a world with [[device]] and [[body]] needs 2",
         ),
     ] {
         let said = said(&BALL.replacen(right, wrong, 1));

@@ -78,7 +78,7 @@ impl Scene {
         };
         let weight = [0.0, 0.0, -GRAVITY * BODY_MASS];
         let moving =
-            |shape: &Shape| moves.then(|| FreeMotion::of(shape, BODY_MASS).pulled_by(weight));
+            |shape: &Shape| moves.then(|| FreeMotion::new(shape, BODY_MASS).pulled_by(weight));
         let fixed = |name: &str, shape| WorldBody {
             name: name.to_owned(),
             shape,
@@ -228,7 +228,7 @@ impl Bench {
 
     /// E in percent.
     pub fn error(&self, held: Vec<Vector>) -> f64 {
-        let evaluated = WorldEvaluation::of(&self.scene.evaluated, &self.ideal, &[held]).unwrap();
+        let evaluated = WorldEvaluation::new(&self.scene.evaluated, &self.ideal, &[held]).unwrap();
         evaluated.sum.unwrap().mean_force_error
     }
 }

@@ -35,7 +35,7 @@ fn the_estimate_of_the_needed_damping_on_the_paper_s_scenes() {
         let (m, t) = (scene.device.mass(), scene.loop_params.period);
         let k = scene.contact.stiffness;
         assert!((damping_of(&wall) / b / ((m + mass) / mass) - 1.0).abs() < 1e-12);
-        let kappa = Difficulty::of(k, m, mass, t).unwrap().kappa;
+        let kappa = Difficulty::new(k, m, mass, t).unwrap().kappa;
         assert!((damping_of(&wall) / (0.25 * kappa * k * t) - 1.0).abs() < 1e-12);
     }
 }

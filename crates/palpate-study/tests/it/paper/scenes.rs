@@ -29,7 +29,7 @@ fn who_leaves_the_box_depends_on_its_size() {
         MethodName::Hfcr,
         MethodName::Coupled,
     ]
-    .map(Column::of);
+    .map(Column::new);
     let at = swept(
         &scene("fig5"),
         Quantity::SafetyBox,
@@ -62,7 +62,7 @@ fn who_leaves_the_box_depends_on_its_size() {
 #[test]
 fn hfcr_stays_in_the_box_that_fits_with_little_damping_only() {
     let scene = scene("fig5_box");
-    let hfcr = [Column::of(MethodName::Hfcr)];
+    let hfcr = [Column::new(MethodName::Hfcr)];
     let dampings = [0.0, 0.04, 0.07, 0.08, 0.21];
     let at = swept(&scene, Quantity::Damping, &dampings, &hfcr);
     let stays: Vec<bool> = at.iter().map(|of| of[0].left_box_at.is_none()).collect();
@@ -157,7 +157,7 @@ fn seh_is_almost_stable_by_some_estimates_with_much_friction() {
 #[test]
 fn a_sweep_at_the_scene_s_own_value_is_the_scene() {
     let fig4 = scene("fig4");
-    let hfcr = [Column::of(MethodName::Hfcr)];
+    let hfcr = [Column::new(MethodName::Hfcr)];
     let own = fidelity(&fig4, MethodName::Hfcr);
     for (over, value) in [
         (Quantity::Friction, 1.0),
@@ -175,13 +175,13 @@ fn a_sweep_at_the_scene_s_own_value_is_the_scene() {
     let at = swept(&fig4, Quantity::Friction, &[3.0], &hfcr);
     assert_eq!(at[0][0].own, fidelity(&rough, MethodName::Hfcr));
     // A box extends equally far up and down.
-    let damper = [Column::of(MethodName::VirtualDamper)];
+    let damper = [Column::new(MethodName::VirtualDamper)];
     let at = swept(&scene("fig5"), Quantity::SafetyBox, &[0.11], &damper);
     let boxed = run(&scene("fig5_box"), MethodName::VirtualDamper);
     assert_eq!(Some(at[0][0].own), boxed.force.fidelity);
     assert_eq!(at[0][0].left_box_at, boxed.left_box_at);
     // The rebound energy is proportional to the squared speed.
-    let seh = [Column::of(MethodName::Seh)];
+    let seh = [Column::new(MethodName::Seh)];
     let at = swept(&fig4, Quantity::Friction, &[1.0], &seh);
     let rebounds = run(&fig4, MethodName::Seh).rebounds;
     let speeds = rebounds.iter().filter_map(|rebound| rebound.rendered);
@@ -201,7 +201,7 @@ fn a_sweep_at_the_scene_s_own_value_is_the_scene() {
         || {},
     );
     assert!(matches!(none, Err(SweepError::Nothing(_))), "{none:?}");
-    let basic = [Column::of(MethodName::Basic)];
+    let basic = [Column::new(MethodName::Basic)];
     let none = sweep(&fig4, Quantity::Damping, &[1.0], &basic, false, || {});
     assert_eq!(none, Err(SweepError::NoDamping("basic".into())));
     let negative = sweep(&fig4, Quantity::Friction, &[-1.0], &hfcr, false, || {});

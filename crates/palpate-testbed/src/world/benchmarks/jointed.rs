@@ -22,7 +22,7 @@ fn scene(
         devices: vec![tool],
         bodies: vec![WorldBody {
             name: name.into(),
-            motion: Some(FreeMotion::of(&shape, mass).pulled_by([0.0, 0.0, -mass * GRAVITY])),
+            motion: Some(FreeMotion::new(&shape, mass).pulled_by([0.0, 0.0, -mass * GRAVITY])),
             ..fixed(shape)
         }],
         pairs: vec![pair(Member::Device(0), Member::Body(0), law)],

@@ -21,7 +21,7 @@ pub fn stack() -> Benchmark {
         name: name.into(),
         position,
         orientation: [w, 0.0, 0.0, z],
-        motion: Some(FreeMotion::of(&shape, 0.05).pulled_by([0.0, 0.0, -weight])),
+        motion: Some(FreeMotion::new(&shape, 0.05).pulled_by([0.0, 0.0, -weight])),
         ..fixed(shape.clone())
     };
     let mut tool = device("tool", [0.004, -0.003, 0.0666], 0.005);

@@ -139,7 +139,7 @@ impl TriangleMesh {
                 reason,
             };
             if face.iter().any(|&corner| corner >= mesh.vertices.len()) {
-                return Err(invalid("a corner is no vertex of the mesh"));
+                return Err(invalid("a corner is not a vertex of the mesh"));
             }
             let [a, b, c] = face.map(|corner| mesh.vertices[corner]);
             let normal = (b - a).cross(c - a).direction();
@@ -171,7 +171,7 @@ impl TriangleMesh {
                 let edge = &mut mesh.edges[edge];
                 if edge.faces.len() == 2 || edge.ends != [to, from] {
                     return Err(invalid(
-                        "an edge has a third face, or one the other way round",
+                        "an edge has a third face or a face of opposite winding",
                     ));
                 }
                 let normals = [edge.faces[0], number].map(|face| mesh.normals[face]);

@@ -57,7 +57,7 @@ fn body(shape: Shape, mass: f64, position: Vector) -> WorldBody {
         shape: shape.clone(),
         position,
         orientation: IDENTITY,
-        motion: Some(FreeMotion::of(&shape, mass)),
+        motion: Some(FreeMotion::new(&shape, mass)),
     }
 }
 

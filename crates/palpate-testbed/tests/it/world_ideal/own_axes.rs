@@ -158,7 +158,7 @@ fn what_is_held_moves_its_plant_and_is_judged_along_its_axes() {
         }
         let turned_held: Vec<Vector> = held.iter().map(|force| turned(*force)).collect();
         let of = |number: usize, held: Vec<Vector>| {
-            WorldEvaluation::of(&scenes[number], &ideals[number], &[held]).unwrap()
+            WorldEvaluation::new(&scenes[number], &ideals[number], &[held]).unwrap()
         };
         let [one, two] = [of(0, held.clone()), of(1, turned_held)];
         let error = |evaluated: &WorldEvaluation| evaluated.sum.unwrap().mean_force_error;

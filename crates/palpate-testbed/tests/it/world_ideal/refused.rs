@@ -65,7 +65,7 @@ fn pairs_without_a_contact_are_named() {
         let message = refused(&scene);
         assert!(message.starts_with("pairs[1]: "), "{message}");
         assert!(message.contains(reason), "{message}");
-        assert!(message.contains("a sphere can touch"), "{message}");
+        assert!(message.contains("a sphere with a sphere"), "{message}");
     }
     for (one, other) in [(Body(2), Body(0)), (Body(3), Body(2)), (Body(2), Body(5))] {
         let mut scene = scene();
@@ -131,7 +131,7 @@ fn a_window_begins_where_its_scene_does() {
     let late = WorldIdeal::new(&scene(), Grid::even(0.5, 0.001, 2)).unwrap_err();
     assert_eq!(
         late.to_string(),
-        "grid.start = 0.5 is not allowed; allowed: 0 s, where the scene begins"
+        "grid.start = 0.5 is not allowed; allowed: 0 s, the start of the scene"
     );
     let grid = Grid::even(0.0, 0.001, 2);
     assert!(WorldIdeal::with_tolerance(&scene(), grid, 0.0).is_err());

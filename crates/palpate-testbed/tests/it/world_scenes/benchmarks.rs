@@ -41,7 +41,7 @@ fn every_benchmark_can_be_predicted_from_its_starts() {
             .iter()
             .map(|device| device.mean_forces(&ideal.grid))
             .collect();
-        let evaluation = WorldEvaluation::of(&benchmark.scene, &ideal, &means).unwrap();
+        let evaluation = WorldEvaluation::new(&benchmark.scene, &ideal, &means).unwrap();
         let sum = evaluation.sum.unwrap();
         let peak = ideal.devices[0].peaks.iter().copied().fold(0.0, f64::max);
         println!(
@@ -251,7 +251,7 @@ fn read(file: &toml::Table) -> (WorldScene, f64, f64) {
                         turn.try_into().unwrap()
                     }),
                 motion: (!fixed).then(|| {
-                    FreeMotion::of(&shape, number(&body["mass_kg"]))
+                    FreeMotion::new(&shape, number(&body["mass_kg"]))
                         .pulled_by(or(body, "force_n", [0.0; 3]))
                 }),
             }

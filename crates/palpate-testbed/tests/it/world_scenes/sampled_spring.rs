@@ -147,7 +147,7 @@ fn error(world: &RandomWorld, damping: f64) -> f64 {
         plant.hold(&[force]);
     }
     let held = [plant.delivered(0)];
-    let evaluation = WorldEvaluation::of(&scene, &world.ideal, &held).unwrap();
+    let evaluation = WorldEvaluation::new(&scene, &world.ideal, &held).unwrap();
     evaluation.sum.unwrap().mean_force_error.min(999.0)
 }
 

@@ -36,7 +36,7 @@ impl LocalState {
         let is_expected = self.is_known && self.foresee(model.tick, step, period);
         let share = (step / return_time).min(1.0);
         for (body, described) in model.bodies.iter().enumerate() {
-            let host = Image::of(described, &ImageOffset::none());
+            let host = Image::new(described, &ImageOffset::none());
             let expected = self.host.images[body];
             let Some(then) = self.past.at(model.tick, body).copied() else {
                 continue;
@@ -69,7 +69,7 @@ impl LocalState {
     /// Records the work of the tools on the copies and on the host's bodies up to the model's tick.
     fn record_slow_ports(&mut self, model: &LocalModel, step: f64) {
         for (body, described) in model.bodies.iter().enumerate() {
-            let host = Image::of(described, &ImageOffset::none());
+            let host = Image::new(described, &ImageOffset::none());
             let Some(then) = self.past.at(model.tick, body) else {
                 continue;
             };
@@ -127,11 +127,11 @@ impl LocalState {
 /// Sets the image of the fixed world, which is stored after the last body's.
 pub(super) fn put_fixed_world(meeting: &mut Meeting) {
     if let Some(last) = meeting.images.last_mut() {
-        *last = Image::of(&BodyNow::fixed([0.0; 3]), &ImageOffset::none());
+        *last = Image::new(&BodyNow::fixed([0.0; 3]), &ImageOffset::none());
     }
 }
 
 /// Returns an undefined copy.
 pub(super) fn nowhere() -> Then {
-    Then::of(&Image::nowhere(), nalgebra::Vector6::zeros(), 0.0)
+    Then::new(&Image::nowhere(), nalgebra::Vector6::zeros(), 0.0)
 }

@@ -141,7 +141,8 @@ impl LocalModel {
         let mut faults = Vec::new();
         if bodies.len() != params.bodies {
             let message = format!(
-                "there are {} bodies, and the loop has room for exactly {}: give each, also where nothing touches it",
+                "there are {} bodies, and the loop needs exactly {}: give every body, including bodies without \
+                 contacts",
                 bodies.len(),
                 params.bodies
             );
@@ -219,7 +220,7 @@ impl LocalContact {
             Touching::Tool(tool) if tool >= tools => {
                 faults.push((
                     WorldField::Touching,
-                    format!("it is of tool {tool}, and there are {tools} tools, from 0"),
+                    format!("its tool is {tool}, and there are {tools} tools, from 0"),
                 ));
             }
             Touching::Tool(_) => {}
@@ -232,7 +233,7 @@ impl LocalContact {
                 if body >= bodies {
                     faults.push((
                         WorldField::Touching,
-                        format!("it is of body {body}, and there are {bodies} bodies, from 0"),
+                        format!("its body is {body}, and there are {bodies} bodies, from 0"),
                     ));
                 }
                 if self.on == Some(body) {
@@ -258,7 +259,7 @@ impl LocalContact {
             if !vector.iter().all(|x| x.is_finite()) {
                 faults.push((
                     field,
-                    format!("{field} is {vector:?} m, and has to be three numbers"),
+                    format!("{field} is {vector:?} m, and has to be three finite numbers"),
                 ));
             }
         }
@@ -267,7 +268,7 @@ impl LocalContact {
         if !is_unit {
             faults.push((
                 WorldField::Normal,
-                format!("normal has the length {length}, and has to have 1"),
+                format!("normal has length {length}, and has to have length 1"),
             ));
         }
         if !self.curvature.is_finite() {

@@ -18,7 +18,7 @@ pub(super) struct Then {
 }
 
 impl Then {
-    pub fn of(image: &Image, impulse: Vector6<f64>, work: f64) -> Self {
+    pub fn new(image: &Image, impulse: Vector6<f64>, work: f64) -> Self {
         Self {
             position: image.position,
             orientation: image.orientation,

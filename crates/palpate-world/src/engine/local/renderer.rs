@@ -321,7 +321,7 @@ impl LocalRenderer {
                 before
             };
             if let Some(then) = state.past.at(tick, body) {
-                *then = Then::of(image, impulse, state.works[body]);
+                *then = Then::new(image, impulse, state.works[body]);
             }
             progress.impulses[body] = BodyImpulse {
                 linear: linear(&impulse).into(),

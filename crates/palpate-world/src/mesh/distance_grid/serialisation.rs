@@ -10,14 +10,10 @@ use crate::rigid::Vector3;
 #[non_exhaustive]
 pub enum GridBytesError {
     /// The data are not a grid.
-    #[error(
-        "it is no distance grid of palpate: it does not begin with the words that one begins with"
-    )]
+    #[error("it is not a distance grid of palpate: its first bytes are wrong")]
     NotAGrid,
     /// The data are truncated or corrupted.
-    #[error(
-        "it is a distance grid that was cut off or changed: its length or its checksum is wrong"
-    )]
+    #[error("the distance grid is truncated or corrupted: its length or its checksum is wrong")]
     Broken,
 }
 

@@ -61,7 +61,7 @@ fn the_mesh_of_these_tests_is_a_block_with_a_groove() {
 /// Away from edges the distance is that from a plane. The spline's overshoot decreases by a factor of four per node.
 #[test]
 fn a_flat_side_is_flat() {
-    let grid = DistanceGrid::of(&grooved(), 0.5e-3).unwrap();
+    let grid = DistanceGrid::new(&grooved(), 0.5e-3).unwrap();
     for number in 1..500 {
         let [x, y, z]: Vector = spread(number).into();
         let place = [4e-3 + 6e-3 * x, -1e-3 + 1.5e-3 * y, -6e-3 + 12e-3 * z];
@@ -75,7 +75,7 @@ fn a_flat_side_is_flat() {
 /// Value and gradient belong to one smooth function: the work over a closed path is zero.
 #[test]
 fn the_gradient_is_that_of_the_distance_and_does_not_jump() {
-    let grid = DistanceGrid::of(&grooved(), 0.7e-3).unwrap();
+    let grid = DistanceGrid::new(&grooved(), 0.7e-3).unwrap();
     let h = 1e-7;
     let mut bent = 0;
     for place in places() {
@@ -98,7 +98,7 @@ fn the_surface_is_as_near_to_the_mesh_as_it_says() {
     let mesh = grooved();
     let mut before = f64::INFINITY;
     for spacing in [1.2e-3, 0.6e-3, 0.3e-3] {
-        let error = DistanceGrid::of(&mesh, spacing).unwrap().error();
+        let error = DistanceGrid::new(&mesh, spacing).unwrap().error();
         assert!(error.root_mean_square <= error.largest);
         // Corners are rounded over a fraction of the spacing.
         assert!(
@@ -112,7 +112,7 @@ fn the_surface_is_as_near_to_the_mesh_as_it_says() {
 #[test]
 fn what_is_kept_is_the_grid_and_nothing_else_is_taken_for_it() {
     let mesh = grooved();
-    let grid = DistanceGrid::of(&mesh, 1e-3).unwrap();
+    let grid = DistanceGrid::new(&mesh, 1e-3).unwrap();
     let bytes = grid.to_bytes();
     let back = |bytes: &[u8], spacing| DistanceGrid::from_bytes(bytes, &mesh, spacing);
     assert_eq!(back(&bytes, 1e-3), Ok(Some(grid.clone())));
@@ -136,11 +136,11 @@ fn what_is_kept_is_the_grid_and_nothing_else_is_taken_for_it() {
 #[test]
 fn a_spacing_that_does_not_fit_is_refused() {
     let mesh = grooved();
-    let refused = |spacing| DistanceGrid::of(&mesh, spacing).unwrap_err();
+    let refused = |spacing| DistanceGrid::new(&mesh, spacing).unwrap_err();
     assert_eq!(refused(0.0), InvalidGrid::Spacing(0.0));
     assert!(matches!(refused(f64::NAN), InvalidGrid::Spacing(_)));
     assert!(matches!(refused(4e-3), InvalidGrid::Coarse { .. }));
     assert!(matches!(refused(1e-5), InvalidGrid::Fine { .. }));
     let open = Mesh::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]).unwrap();
-    assert_eq!(DistanceGrid::of(&open, 0.1), Err(InvalidGrid::Open));
+    assert_eq!(DistanceGrid::new(&open, 0.1), Err(InvalidGrid::Open));
 }

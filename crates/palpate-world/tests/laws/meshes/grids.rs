@@ -19,7 +19,7 @@ fn with_shell(mesh: Mesh, points: usize) -> Mesh {
 }
 
 fn with_grid(mesh: Mesh, spacing: f64) -> Mesh {
-    let grid = DistanceGrid::of(&mesh, spacing).unwrap();
+    let grid = DistanceGrid::new(&mesh, spacing).unwrap();
     mesh.with_grid(grid).unwrap()
 }
 

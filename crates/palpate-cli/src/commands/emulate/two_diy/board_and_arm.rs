@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use palpate_haply::two_diy::Generation;
 use palpate_haply::emulator::two_diy::{Did, Emulator, Hand, PortSettings, Settings, Usb, Wiring};
+use palpate_haply::two_diy::Generation;
 use palpate_rt::StopFlag;
 
 use super::arguments::{HandArguments, TwoDiyArguments, UsbFlags, WiringName};
@@ -46,18 +46,17 @@ pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
                 link: arguments.link.clone(),
             },
         },
-        ..Settings::of(generation, board)
+        ..Settings::new(generation, board)
     };
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let stop = StopFlag::on_signals()
+        .map_err(|error| Failure::System(format!("cannot handle signals: {error}")))?;
     let emulator = Emulator::start(&settings)
-        .map_err(|error| Failure::System(format!("no emulator: {error}")))?;
+        .map_err(|error| Failure::System(format!("cannot start the emulator: {error}")))?;
     let begun = Instant::now();
     print(&format!("{}\n", emulator.path().display()))?;
     let [first, second] = emulator.angles();
     tell(format_args!(
-        "a 2DIY of generation {} on the board {}, its arm at {first:.1},{second:.1} degrees until it \
-         is opened; ctrl-C ends it",
+        "2DIY of generation {}, board {}, arm at {first:.1},{second:.1} degrees until it is opened; ctrl-C ends it",
         generation.number(),
         board.name()
     ));
@@ -88,7 +87,7 @@ pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
     ));
     let [along_x, along_y] = [[1.0, 0.0], [0.0, 1.0]].map(|axis| emulator.effective_mass(axis));
     tell(format_args!(
-        "where the arm is in the end, its mass is {along_x:.4} kg along x and {along_y:.4} kg along y"
+        "mass at the final pose: {along_x:.4} kg along x and {along_y:.4} kg along y"
     ));
     Ok(())
 }
