@@ -226,7 +226,7 @@ impl OfARecording {
         )))
     }
 
-    fn new(&self) -> PyResult<ReplayOf> {
+    fn of(&self) -> PyResult<ReplayOf> {
         let stated = StatedHand {
             bandwidth: self.hand_bandwidth,
             stiffness: self.hand_stiffness,

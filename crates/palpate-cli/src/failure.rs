@@ -93,7 +93,7 @@ impl From<PutSceneError> for Failure {
 
 impl Failure {
     /// Adds the name of one of several items before the message.
-    pub fn new(self, name: &str) -> Self {
+    pub fn of(self, name: &str) -> Self {
         let of = |message: String| format!("{name}: {message}");
         match self {
             Self::System(message) => Self::System(of(message)),

@@ -26,7 +26,7 @@ impl WorldPlaces {
     }
 
     /// The place of a field, else of its part, else the beginning of the file.
-    pub fn new(&self, place: WorldPart, field: WorldField) -> Range<usize> {
+    pub fn of(&self, place: WorldPart, field: WorldField) -> Range<usize> {
         let field = self.fields.get(&(place, field));
         let found = field.or_else(|| self.parts.get(&place));
         found.cloned().unwrap_or(0..0)

@@ -482,7 +482,7 @@ impl Kinks<'_> {
         clippy::cast_sign_loss,
         reason = "a delay is 0 up to some hundred periods"
     )]
-    fn new(&self, index: usize) -> (f64, f64) {
+    fn of(&self, index: usize) -> (f64, f64) {
         let whole = self.delay.floor();
         let command = |back: usize| {
             let at = index.checked_sub(whole as usize + back);

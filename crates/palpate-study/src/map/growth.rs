@@ -59,7 +59,7 @@ pub(super) struct BounceEnergy {
 impl BounceEnergy {
     /// Returns R `[J]` at a penetration `[m]`, its rate and the device's velocity `[m/s]`.
     #[inline]
-    pub fn new(&self, penetration: f64, approach: f64, device_velocity: f64) -> f64 {
+    pub fn of(&self, penetration: f64, approach: f64, device_velocity: f64) -> f64 {
         let dry = if device_velocity == 0.0 {
             0.0
         } else {

@@ -176,7 +176,7 @@ impl Condition {
 
     /// Returns the scene of `plant` under this condition.
     #[must_use]
-    pub fn new(self, plant: &RandomPlant) -> Scene {
+    pub fn of(self, plant: &RandomPlant) -> Scene {
         let mut scene = plant.scene.clone();
         match self {
             Self::Delay(delay) => scene.delay = Delay::samples(delay),

@@ -206,7 +206,7 @@ impl Pushes {
         all & !self.gone
     }
 
-    fn new(&self, chosen: Chosen) -> impl Iterator<Item = &Push> + Clone {
+    fn of(&self, chosen: Chosen) -> impl Iterator<Item = &Push> + Clone {
         let all = &self.all;
         (0..self.count)
             .filter(move |number| chosen >> number & 1 == 1)

@@ -31,7 +31,7 @@ impl Motions {
     }
 
     /// Returns a quantity as a vector in the world's axes.
-    pub fn new(&self, quantity: impl Fn(&AxisMotion) -> f64) -> Vector3 {
+    pub fn of(&self, quantity: impl Fn(&AxisMotion) -> f64) -> Vector3 {
         self.axes.out(&self.own(quantity))
     }
 

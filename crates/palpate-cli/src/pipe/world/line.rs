@@ -175,7 +175,7 @@ fn named<'m>(
 mod tests {
     use super::*;
 
-    fn new(devices: &[&str], time: bool) -> WorldFormat {
+    fn of(devices: &[&str], time: bool) -> WorldFormat {
         WorldFormat {
             time,
             unit: LengthUnit::Metre,
