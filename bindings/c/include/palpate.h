@@ -1,5 +1,5 @@
 /*
- * palpate: the force between a haptic device and a virtual object, at the loop rate of the device.
+ * palpate: contact forces for haptic devices, at the loop rate of the device.
  * SI units: positions in m, times in s, masses in kg, forces in N, energies in J. docs/integrate/c.md
  *
  * Made from bindings/c/src by cbindgen; do not edit. License: MIT OR Apache-2.0
@@ -11,47 +11,47 @@
 #include <stdint.h>
 
 /*
- Version of this interface. It goes up with a change that a compiled program would not survive; what
- is only added leaves it as it is.
+ Version of this interface. It increases with changes that break compiled programs; pure additions
+ do not change it.
  */
 #define PALPATE_ABI_VERSION 1
 
 /*
- Bytes that a contact has at most, for memory that is laid out by the compiler;
- palpate_contact_size() says how many it has.
+ Largest size of a contact in bytes, for statically allocated memory; palpate_contact_size() returns the
+ actual size.
  */
 #define PALPATE_CONTACT_SIZE_MAX 4096
 
 /*
- A multiple of this is where a contact may begin; palpate_contact_align() says what it needs.
+ Largest alignment of a contact in bytes; palpate_contact_align() returns the actual alignment.
  */
 #define PALPATE_CONTACT_ALIGN_MAX 8
 
 /*
- Bytes that a contact in float has at most, for memory that is laid out by the compiler;
- palpate_contact_f32_size() says how many it has. It may begin at a multiple of PALPATE_CONTACT_ALIGN_MAX.
+ Largest size of a contact in float in bytes, for statically allocated memory; palpate_contact_f32_size()
+ returns the actual size. Its alignment is at most PALPATE_CONTACT_ALIGN_MAX.
  */
 #define PALPATE_CONTACT_F32_SIZE_MAX 2048
 
 /*
- `first_body` and `second_body` where that is a device.
+ Value of `first_body` and `second_body` if the object is a device.
  */
 #define PALPATE_NO_BODY UINT32_MAX
 
 /*
- `fault_device` where the fault is none of one device.
+ Value of `fault_device` if the fault does not belong to one device.
  */
 #define PALPATE_NO_DEVICE UINT32_MAX
 
 /*
- What a call answers. `palpate_last_error` says the rest in words, palpate_status_name has the names of these.
+ Result of a call. `palpate_last_error` returns the message, palpate_status_name the name.
 
- A status says where the error is, whatever was called: NULL, STRUCT_SIZE and MEMORY at a pointer and what it points to,
- PARAMETER at a number, SETTING at a text, COUNT at a place or a number of things, SCENE at what a scene has, CHANGE at what
- runs already, RECORDING at a file of ticks. Of several errors it is that of the first one.
+ A status names the kind of the wrong argument, for every function: NULL, STRUCT_SIZE and MEMORY a pointer and its
+ target, PARAMETER a number, SETTING a text, COUNT an index or a number of elements, SCENE the content of a scene,
+ CHANGE an active contact or world, RECORDING a file of ticks. Of several errors the first one is returned.
 
- A call that is refused changes nothing. There are three exceptions: a call that makes something puts NULL in place of it,
- palpate_recorder_close frees the recorder whatever it answers, and after INTERNAL everything that was used can only be freed.
+ A rejected call changes nothing, with three exceptions: a function that creates an object sets its output to NULL,
+ palpate_recorder_close always frees the recorder, and after INTERNAL all objects involved can only be freed.
  */
 enum palpate_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -59,49 +59,50 @@ enum palpate_status
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /*
-   Done.
+   Success.
    */
   PALPATE_STATUS_OK = 0,
   /*
-   A pointer is NULL that may not be.
+   A required pointer is NULL.
    */
   PALPATE_STATUS_NULL = 1,
   /*
-   A struct_size is too small, or larger than the library knows and the rest is not 0.
+   A struct_size is too small, or larger than this library knows and an unknown field is not 0.
    */
   PALPATE_STATUS_STRUCT_SIZE = 2,
   /*
-   A number of the call, or of a struct or an array of it, is outside its range: one that stands for a choice or a switch, too,
-   and a reserved one that is not 0.
+   A number of the call, of a struct or of an array is outside its range, including choices, switches and nonzero
+   reserved fields.
    */
   PALPATE_STATUS_PARAMETER = 3,
   /*
-   A text is not UTF-8, or none of the methods, settings and words that there are; a setting is given twice, or is missing.
+   A text is not UTF-8 or is not a known method, setting or word; a setting is given twice or is missing.
    */
   PALPATE_STATUS_SETTING = 4,
   /*
-   What runs cannot change to that: another period, another side of the device, other devices, a fixed body that is to move.
+   An active contact or world cannot change to this: another period, side or set of devices, or motion of a
+   fixed body.
    */
   PALPATE_STATUS_CHANGE = 5,
   /*
-   The memory that was given is too small or not aligned, an array cannot have so many elements, or the system has no memory
-   for what was asked.
+   The given memory is too small or misaligned, an array cannot have this many elements, or the system is out of
+   memory.
    */
   PALPATE_STATUS_MEMORY = 6,
   /*
-   A defect in the library, which has been caught. Report it, please.
+   A defect in the library was caught. Please report it.
    */
   PALPATE_STATUS_INTERNAL = 7,
   /*
-   A scene cannot be read, is none of a world, or cannot be rendered; it has no such name, or has that name already.
+   A scene cannot be read, is not a world or cannot be rendered; a name is unknown or exists already.
    */
   PALPATE_STATUS_SCENE = 8,
   /*
-   A place, or a number of devices or bodies, is another one than there are.
+   An index, or a number of devices or bodies, is out of range.
    */
   PALPATE_STATUS_COUNT = 9,
   /*
-   A recording cannot be begun or written, or a tick is of something else than what is recorded.
+   A recording cannot be started or written, or a tick belongs to another object than the recorded one.
    */
   PALPATE_STATUS_RECORDING = 10,
 };
@@ -114,7 +115,7 @@ typedef uint32_t palpate_status;
 #endif // __cplusplus
 
 /*
- What the object is predicted to do in the coming interval.
+ Predicted contact phase of the object in the coming interval.
  */
 enum palpate_phase
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -138,7 +139,7 @@ enum palpate_phase
    */
   PALPATE_PHASE_LEAVES = 3,
   /*
-   A fault: the object waits.
+   Waiting after a fault: the object is held still.
    */
   PALPATE_PHASE_WAITING = 4,
 };
@@ -151,8 +152,7 @@ typedef uint32_t palpate_phase;
 #endif // __cplusplus
 
 /*
- Why a sample was refused: the force is then 0, and the next sample that can be trusted takes up
- rendering.
+ Reason for rejecting a sample. The force is then 0; rendering resumes at the next valid sample.
  */
 enum palpate_fault
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -160,7 +160,7 @@ enum palpate_fault
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /*
-   It was not refused.
+   The sample was accepted.
    */
   PALPATE_FAULT_NONE = 0,
   /*
@@ -172,11 +172,11 @@ enum palpate_fault
    */
   PALPATE_FAULT_VIRTUAL_FORCE_NOT_FINITE = 2,
   /*
-   The time since the sample before is not positive.
+   The time since the previous sample is not positive.
    */
   PALPATE_FAULT_ELAPSED_NOT_POSITIVE = 3,
   /*
-   The time since the sample before exceeds the largest gap.
+   The time since the previous sample exceeds the largest gap.
    */
   PALPATE_FAULT_GAP_TOO_LONG = 4,
   /*
@@ -192,17 +192,17 @@ enum palpate_fault
    */
   PALPATE_FAULT_ORIENTATION_NOT_UNIT = 7,
   /*
-   Of a newer core.
+   A fault that a newer core defines.
    */
   PALPATE_FAULT_OTHER = 99,
   /*
-   There was no tick, since an argument is wrong: the contact, the world, the sample or an array is NULL, a struct_size is
-   too small, a number of poses or wrenches is not that of the devices, has_elapsed is neither 0 nor 1, or a reserved number is
-   not 0: palpate_last_error.
+   An argument is wrong, and no tick was executed: the contact, world, sample or an array is NULL, a
+   struct_size is too small, the number of poses or wrenches differs from the number of devices, has_elapsed
+   is neither 0 nor 1, or a reserved field is not 0. palpate_last_error has the details.
    */
   PALPATE_FAULT_ARGUMENT = 100,
   /*
-   A defect in the library, which has been caught. Report it, please.
+   A defect in the library was caught. Please report it.
    */
   PALPATE_FAULT_INTERNAL = 101,
 };
@@ -215,7 +215,7 @@ typedef uint32_t palpate_fault;
 #endif // __cplusplus
 
 /*
- Why a model was not taken; the one before goes on.
+ Reason for rejecting a model. The loop keeps the previous model.
  */
 enum palpate_model_refusal
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -223,23 +223,23 @@ enum palpate_model_refusal
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /*
-   It was taken, or none has come.
+   The model was accepted, or none was published.
    */
   PALPATE_MODEL_REFUSAL_NONE = 0,
   /*
-   It is of a tick that has not been.
+   The model is for a future tick.
    */
   PALPATE_MODEL_REFUSAL_NOT_YET = 1,
   /*
-   It is of a tick before that of the model before.
+   The model is for an earlier tick than the previous model.
    */
   PALPATE_MODEL_REFUSAL_OUT_OF_ORDER = 2,
   /*
-   It is older than stale_after.
+   The model is older than stale_after.
    */
   PALPATE_MODEL_REFUSAL_TOO_OLD = 3,
   /*
-   It is of another host.
+   The model is from another simulator.
    */
   PALPATE_MODEL_REFUSAL_OTHER_HOST = 4,
 };
@@ -252,7 +252,7 @@ typedef uint32_t palpate_model_refusal;
 #endif // __cplusplus
 
 /*
- Whether two surfaces touch at a point, and how.
+ Contact state of two surfaces at a point.
  */
 enum palpate_touch
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -260,19 +260,19 @@ enum palpate_touch
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /*
-   Apart.
+   No contact.
    */
   PALPATE_TOUCH_FREE = 0,
   /*
-   They touch, and friction holds, or there is none.
+   In contact and sticking, or without friction.
    */
   PALPATE_TOUCH_STICKS = 1,
   /*
-   They touch, and slide.
+   In contact and sliding.
    */
   PALPATE_TOUCH_SLIDES = 2,
   /*
-   They overlap but do not push: they part faster than the material follows.
+   Overlapping without force: the surfaces separate faster than the material recovers.
    */
   PALPATE_TOUCH_PARTS = 3,
 };
@@ -285,7 +285,7 @@ typedef uint32_t palpate_touch;
 #endif // __cplusplus
 
 /*
- On which side of the device the object lies.
+ Side of the device on which the object lies.
  */
 enum palpate_side
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -310,7 +310,7 @@ typedef uint32_t palpate_side;
 #endif // __cplusplus
 
 /*
- Whether the energy that held forces give out is bounded.
+ Mode of the guard, which bounds the energy that held forces generate.
  */
 enum palpate_guard
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -318,7 +318,7 @@ enum palpate_guard
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /*
-   It is not.
+   The guard is off.
    */
   PALPATE_GUARD_OFF = 0,
   /*
@@ -326,7 +326,7 @@ enum palpate_guard
    */
   PALPATE_GUARD_REPORT = 1,
   /*
-   No force exceeds the bound.
+   Forces are limited to the bound.
    */
   PALPATE_GUARD_LIMIT = 2,
 };
@@ -339,7 +339,7 @@ typedef uint32_t palpate_guard;
 #endif // __cplusplus
 
 /*
- What palpate_method_text tells of a method.
+ Texts that palpate_method_text returns for a method.
  */
 enum palpate_about_method
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -347,11 +347,11 @@ enum palpate_about_method
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /*
-   Its name, which `method` of palpate_contact_params takes.
+   Name, as accepted by `method` of palpate_contact_params.
    */
   PALPATE_ABOUT_METHOD_NAME = 0,
   /*
-   What it is, in a few words.
+   Short description.
    */
   PALPATE_ABOUT_METHOD_SUMMARY = 1,
 };
@@ -364,7 +364,7 @@ typedef uint32_t palpate_about_method;
 #endif // __cplusplus
 
 /*
- What palpate_setting_text tells of a setting.
+ Texts that palpate_setting_text returns for a setting.
  */
 enum palpate_about_setting
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -372,23 +372,23 @@ enum palpate_about_setting
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /*
-   Its key.
+   Key.
    */
   PALPATE_ABOUT_SETTING_KEY = 0,
   /*
-   The symbol of its unit, "" of words, switches and pure numbers.
+   Unit symbol; "" for words, switches and dimensionless numbers.
    */
   PALPATE_ABOUT_SETTING_UNIT = 1,
   /*
-   What it is, in words that follow the method's name.
+   Short description that continues the method's name.
    */
   PALPATE_ABOUT_SETTING_HELP = 2,
   /*
-   What is taken where it is not given.
+   Default value.
    */
   PALPATE_ABOUT_SETTING_DEFAULT = 3,
   /*
-   The words that it takes, with commas between them; "" of one that takes numbers only.
+   Accepted words, separated by commas; "" if the setting accepts only numbers.
    */
   PALPATE_ABOUT_SETTING_WORDS = 4,
 };
@@ -409,36 +409,36 @@ enum palpate_limit
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /*
-   It would have pulled, and the contact may only push.
+   A pulling force was removed, because the contact may only push.
    */
   PALPATE_LIMIT_PULL = 1,
   /*
-   It exceeded the force limit.
+   The force exceeded the force limit.
    */
   PALPATE_LIMIT_FORCE = 2,
   /*
-   It changed faster than the slew limit.
+   The force changed faster than the slew limit.
    */
   PALPATE_LIMIT_SLEW = 4,
   /*
-   It could give out more energy than there is: the guard's bound.
+   The force exceeded the guard's bound: it could generate more energy than the balance allows.
    */
   PALPATE_LIMIT_GUARD = 8,
   /*
-   A torque exceeded the torque limit; of worlds.
+   A torque exceeded the torque limit (worlds only).
    */
   PALPATE_LIMIT_TORQUE = 16,
   /*
-   The offset of a tool's avatar was held at its limit; of worlds.
+   The proxy offset of a tool was clamped to its limit (worlds only).
    */
   PALPATE_LIMIT_OFFSET = 32,
   /*
-   It was still coming back after a start or a fault; of worlds.
+   The soft start after a start or a fault reduced the force (worlds only).
    */
   PALPATE_LIMIT_SOFT_START = 64,
   /*
-   No limit but a safety stop: held forces have created energy, and all wrenches stay 0. Free the
-   world and make it again to go on; of worlds.
+   Safety stop: held forces have generated energy, and all wrenches stay 0 (worlds only). To resume, free the
+   world and create it again.
    */
   PALPATE_LIMIT_STOPPED = 128,
 };
@@ -451,7 +451,7 @@ typedef uint32_t palpate_limit;
 #endif // __cplusplus
 
 /*
- The kind of a shape.
+ Kind of a shape.
  */
 enum palpate_shape_kind
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -459,19 +459,19 @@ enum palpate_shape_kind
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /*
-   A sphere of `radius`; of a tool, a point with radius 0.
+   A sphere of `radius`; for a tool, radius 0 is a point.
    */
   PALPATE_SHAPE_KIND_SPHERE = 0,
   /*
-   All that is behind a plane across `normal`, `offset` along it; for fixed bodies.
+   The half-space behind the plane with normal `normal` at distance `offset`; for fixed bodies.
    */
   PALPATE_SHAPE_KIND_HALF_SPACE = 1,
   /*
-   A block of `half_extents`.
+   A box of `half_extents`.
    */
   PALPATE_SHAPE_KIND_BOX = 2,
   /*
-   All within `radius` of a segment of 2 `half_length` along z.
+   All points within `radius` of a segment of length 2 `half_length` along z.
    */
   PALPATE_SHAPE_KIND_CAPSULE = 3,
   /*
@@ -500,7 +500,7 @@ typedef uint32_t palpate_shape_kind;
 #endif // __cplusplus
 
 /*
- What a joint lets a body do.
+ Degree of freedom of a joint.
  */
 enum palpate_joint
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -508,11 +508,11 @@ enum palpate_joint
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
   /*
-   Turn about the axis, and nothing else.
+   Rotation about the axis only.
    */
   PALPATE_JOINT_HINGE = 0,
   /*
-   Slide along the axis, and nothing else.
+   Translation along the axis only.
    */
   PALPATE_JOINT_SLIDER = 1,
 };
@@ -525,61 +525,63 @@ typedef uint32_t palpate_joint;
 #endif // __cplusplus
 
 /*
- A contact that is rendered; its ticks are in double, or in float where its name ends with f32. One thread at a
- time may use it.
+ A rendered contact. Its ticks are in double, or in float if the name ends with f32. Only one thread may use it
+ at a time.
  */
 typedef struct palpate_contact_f32 palpate_contact_f32;
 
 /*
- A contact that is rendered; its ticks are in double, or in float where its name ends with f32. One thread at a
- time may use it.
+ A rendered contact. Its ticks are in double, or in float if the name ends with f32. Only one thread may use it
+ at a time.
  */
 typedef struct palpate_contact palpate_contact;
 
 /*
- What a slow host publishes, as the fast loop renders it: the loop's end. One thread at a time may use it.
+ Loop side of a multirate local model: renders the published bodies and contacts. Only one thread may use it at a
+ time.
  */
 typedef struct palpate_local_world palpate_local_world;
 
 /*
- A recording that is being written. One thread at a time may use it.
- */
-typedef struct palpate_recorder palpate_recorder;
+ Simulator side of a multirate local model, for a low-rate simulator such as a 60 Hz physics engine. Only one
+ thread may use it at a time.
 
-/*
- What a world is made of: its loop, devices, bodies, laws of contacts and joints. It renders nothing: a world is made of it,
- or changed to it, and knows nothing of it afterwards. One thread at a time may use it.
- */
-typedef struct palpate_scene palpate_scene;
-
-/*
- A slow host, such as a physics engine of 60 Hz: the host's end of a local model. One thread at a time may use it.
-
- The host repeats: take the progress; step over the time since the progress before under palpate_mean_wrench() on each body;
- look for contacts near the avatar; publish its bodies and contacts as of the progress's tick.
+ The simulator repeats four steps: read the progress; integrate over the time since the previous progress with
+ palpate_mean_wrench() on each body; detect contacts near the proxy; publish its bodies and contacts for the tick
+ of the progress.
  */
 typedef struct palpate_low_rate_simulator palpate_low_rate_simulator;
 
 /*
- A world that is rendered. One thread at a time may use it.
+ A recording in progress. Only one thread may use it at a time.
+ */
+typedef struct palpate_recorder palpate_recorder;
+
+/*
+ Description of a world: its loop, devices, bodies, contact laws and joints. A scene renders nothing. A world is
+ created from it or changed to it, and is independent of it afterwards. Only one thread may use it at a time.
+ */
+typedef struct palpate_scene palpate_scene;
+
+/*
+ A rendered world. Only one thread may use it at a time.
  */
 typedef struct palpate_world palpate_world;
 
 /*
- A setting of a method, by its key in files: {"damping_n_s_per_m", 0.5, NULL}, or {"placement", 0,
- "false"}.
+ A method setting, by its key in files: {"damping_n_s_per_m", 0.5, NULL}, or {"placement", 0, "false"}.
  */
 typedef struct palpate_setting {
   /*
-   Its key, such as "damping_n_s_per_m"; palpate_setting_text has those of each method.
+   Key, such as "damping_n_s_per_m"; palpate_setting_text lists the keys of each method.
    */
   const char *key;
   /*
-   Its number, in the unit of the key, where `word` is NULL.
+   Value in the unit of the key; used if `word` is NULL.
    */
   double number;
   /*
-   Its word: one of its own words, "auto", or "true" and "false" of a switch. NULL: the number.
+   Value as a word: a word of this setting, "auto", or "true" and "false" for a switch. NULL: `number` is used.
    */
   const char *word;
 } palpate_setting;
@@ -602,24 +604,24 @@ typedef struct palpate_contact_params {
    */
   double object_mass;
   /*
-   Where the object's surface is at the start, and a wall always [m]. Default: 0.
+   Initial position of the object's surface, or the fixed position of a wall [m]. Default: 0.
    */
   double object_position;
   /*
-   Its velocity at the start [m/s]; a wall has none. Default: 0.
+   Initial velocity of the object [m/s]; 0 for a wall. Default: 0.
    */
   double object_velocity;
   /*
-   Virtual force f_V on the object, for instance its weight, positive along the axis [N]; that of a
-   sample adds to it. Default: 0.
+   Virtual force f_V on the object, for instance its weight, positive along the axis [N]. The virtual force
+   of a sample is added. Default: 0.
    */
   double virtual_force;
   /*
-   Name of the method; palpate_method_text has them all. NULL, the default: coupled rendering.
+   Name of the method; palpate_method_text lists all names. NULL, the default: coupled rendering.
    */
   const char *method;
   /*
-   Settings of the method; what is not given has its default. NULL where there are none.
+   Settings of the method; a missing setting has its default. NULL if there are none.
    */
   const struct palpate_setting *settings;
   /*
@@ -638,7 +640,7 @@ typedef struct palpate_contact_params {
 } palpate_contact_params;
 
 /*
- The loop, the device in it, and what must never be exceeded. palpate_loop_params_default() fills it.
+ Parameters of the loop and its device, and the limits. palpate_loop_params_default() fills it.
  */
 typedef struct palpate_loop_params {
   /*
@@ -650,28 +652,28 @@ typedef struct palpate_loop_params {
    */
   double period;
   /*
-   Longest time between two samples that is bridged [s]; a longer one is a fault. 0: 20 periods.
+   Largest allowed time between two samples [s]; a longer gap is a fault. 0: 20 periods.
    */
   double largest_gap;
   /*
-   Fastest device motion that is believed [m/s]; a faster jump is a fault. INFINITY believes any.
+   Largest accepted device speed [m/s]; a faster jump is a fault. INFINITY: no limit.
    Default: 100.
    */
   double speed_limit;
   /*
-   Largest force that is held [N]. INFINITY: no limit. Default: 20.
+   Largest held force [N]. INFINITY: no limit. Default: 20.
    */
   double force_limit;
   /*
-   Fastest change of the held force [N/s]. INFINITY, the default: no limit.
+   Largest rate of change of the held force [N/s]. INFINITY, the default: no limit.
    */
   double slew_limit;
   /*
-   Time from a sample to the beginning of its force [s], at most 8 periods. Default: 0.
+   Delay from a sample to the start of its force [s], at most 8 periods. Default: 0.
    */
   double delay;
   /*
-   Standard deviation of the delay, its changes from command to command included [s].
+   Standard deviation of the delay, including its variation between commands [s].
    */
   double delay_deviation;
   /*
@@ -683,7 +685,7 @@ typedef struct palpate_loop_params {
    */
   double lag_deviation;
   /*
-   Delivered over commanded force, greater than 0. Default: 1.
+   Ratio of delivered to commanded force, greater than 0. Default: 1.
    */
   double gain;
   /*
@@ -692,19 +694,19 @@ typedef struct palpate_loop_params {
   double gain_deviation;
   /*
    Effective mass of the device at its end-point [kg], within a factor of 2; coupled rendering needs
-   it. 0, the default: not known. INFINITY: a recording moves the device, and no force can.
+   it. 0, the default: unknown. INFINITY: the device is position-driven by a recording.
    */
   double device_mass;
   /*
-   Quantum of the position sensor [m]; 0, the default: not known to have one.
+   Quantum of the position sensor [m]. 0, the default: unknown or none.
    */
   double encoder_quantum;
   /*
-   Fastest device motion against which the guard's bound holds [m/s].
+   Largest device speed for which the guard's bound holds [m/s].
    */
   double guard_speed;
   /*
-   Energy that the guard lets be given out beyond the balance [J].
+   Energy that the guard allows beyond the energy balance [J].
    */
   double guard_allowance;
   /*
@@ -712,7 +714,7 @@ typedef struct palpate_loop_params {
    */
   uint32_t guard;
   /*
-   0.
+   Must be 0.
    */
   uint32_t reserved;
 } palpate_loop_params;
@@ -730,25 +732,25 @@ typedef struct palpate_sample {
    */
   double device_position;
   /*
-   Time since the sample before [s], where `has_elapsed` is not 0.
+   Time since the previous sample [s]; used if `has_elapsed` is 1.
    */
   double elapsed;
   /*
-   Virtual force on the object over the coming interval [N], beside that of the contact.
+   Virtual force on the object over the coming interval, in addition to that of the contact [N].
    */
   double virtual_force;
   /*
-   1: `elapsed` was measured. 0: one period.
+   1: `elapsed` is the measured time. 0: one period has elapsed.
    */
   uint32_t has_elapsed;
   /*
-   0.
+   Must be 0.
    */
   uint32_t reserved;
 } palpate_sample;
 
 /*
- The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled,
+ Result of a tick, along the contact's axis. palpate_output_empty() returns an empty one to be filled,
  palpate_output_f32_empty() one in float.
  */
 typedef struct palpate_output {
@@ -757,11 +759,11 @@ typedef struct palpate_output {
    */
   size_t struct_size;
   /*
-   Force on the device: what the motor is to be commanded, and to hold until the next sample [N].
+   Force on the device: command it to the motor and hold it until the next sample [N].
    */
   double force_on_device;
   /*
-   The same force on the object, opposite in sign [N].
+   Opposite force, on the object [N].
    */
   double force_on_object;
   /*
@@ -773,24 +775,24 @@ typedef struct palpate_output {
    */
   double object_velocity;
   /*
-   Penetration of the device into the object at this sample, positive in contact on either side [m].
+   Penetration of the device into the object at this sample, positive in contact for either side [m].
    */
   double penetration;
   /*
-   Instant of the predicted transition, after this sample [s]; 0 where there is none.
+   Time from this sample to the predicted transition [s]; 0 if there is none.
    */
   double transition_after;
   /*
-   How far coupled rendering has shifted the object over the last interval [m]; a display takes it
-   off again.
+   Shift of the object by coupled rendering over the last interval [m]; subtract it before drawing
+   the object.
    */
   double object_shift;
   /*
-   What the coming interval is predicted to hold.
+   Predicted contact phase in the coming interval.
    */
   palpate_phase phase;
   /*
-   Why the sample was refused.
+   Reason for rejecting the sample.
    */
   palpate_fault fault;
   /*
@@ -798,15 +800,15 @@ typedef struct palpate_output {
    */
   uint32_t limited;
   /*
-   0.
+   Unused; 0.
    */
   uint32_t reserved;
 } palpate_output;
 
 /*
- EnergyLedger of the object's energy, positive into the object; they balance at every sample: stored less
- stored at the start = port_work + virtual_force_work + outside_work + held_leak.
- palpate_ledger_empty() makes one to be filled, palpate_ledger_f32_empty() one in float.
+ Energy ledger of the object, positive into the object. At every sample it balances: stored energy less
+ initial stored energy = port_work + virtual_force_work + outside_work + held_leak.
+ palpate_ledger_empty() returns an empty one to be filled, palpate_ledger_f32_empty() one in float.
  */
 typedef struct palpate_ledger {
   /*
@@ -818,7 +820,7 @@ typedef struct palpate_ledger {
    */
   double stored;
   /*
-   Work of the held force on the object's side of the port [J].
+   Work of the held force on the object [J].
    */
   double port_work;
   /*
@@ -826,31 +828,31 @@ typedef struct palpate_ledger {
    */
   double virtual_force_work;
   /*
-   Placing the object anew, other parameters, and what passed while no sample could be trusted [J].
+   Energy added by teleporting the object, by parameter changes and during faults [J].
    */
   double outside_work;
   /*
-   Energy that the force which was held has created, less what it has destroyed [J].
+   Remaining leak: energy generated by the held force, less energy dissipated by it [J].
    */
   double held_leak;
   /*
-   The same over the last closed interval [J].
+   Remaining leak over the last closed interval [J].
    */
   double held_leak_last;
   /*
-   Sum of the absolute leaks of all closed intervals [J].
+   Sum of the absolute remaining leaks of all closed intervals [J].
    */
   double held_leak_absolute;
   /*
-   Energy that the plain spring force would have created over the same motion [J].
+   Original leak: energy that the sampled spring would have generated over the same motion [J].
    */
   double original_leak;
   /*
-   The same over the last closed interval [J].
+   Original leak over the last closed interval [J].
    */
   double original_leak_last;
   /*
-   Sum of its absolute leaks over all closed intervals [J].
+   Sum of the absolute original leaks of all closed intervals [J].
    */
   double original_leak_absolute;
 } palpate_ledger;
@@ -868,25 +870,25 @@ typedef struct palpate_sample_f32 {
    */
   float device_position;
   /*
-   Time since the sample before [s], where `has_elapsed` is not 0.
+   Time since the previous sample [s]; used if `has_elapsed` is 1.
    */
   float elapsed;
   /*
-   Virtual force on the object over the coming interval [N], beside that of the contact.
+   Virtual force on the object over the coming interval, in addition to that of the contact [N].
    */
   float virtual_force;
   /*
-   1: `elapsed` was measured. 0: one period.
+   1: `elapsed` is the measured time. 0: one period has elapsed.
    */
   uint32_t has_elapsed;
   /*
-   0.
+   Must be 0.
    */
   uint32_t reserved;
 } palpate_sample_f32;
 
 /*
- The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled,
+ Result of a tick, along the contact's axis. palpate_output_empty() returns an empty one to be filled,
  palpate_output_f32_empty() one in float.
  */
 typedef struct palpate_output_f32 {
@@ -895,11 +897,11 @@ typedef struct palpate_output_f32 {
    */
   size_t struct_size;
   /*
-   Force on the device: what the motor is to be commanded, and to hold until the next sample [N].
+   Force on the device: command it to the motor and hold it until the next sample [N].
    */
   float force_on_device;
   /*
-   The same force on the object, opposite in sign [N].
+   Opposite force, on the object [N].
    */
   float force_on_object;
   /*
@@ -911,24 +913,24 @@ typedef struct palpate_output_f32 {
    */
   float object_velocity;
   /*
-   Penetration of the device into the object at this sample, positive in contact on either side [m].
+   Penetration of the device into the object at this sample, positive in contact for either side [m].
    */
   float penetration;
   /*
-   Instant of the predicted transition, after this sample [s]; 0 where there is none.
+   Time from this sample to the predicted transition [s]; 0 if there is none.
    */
   float transition_after;
   /*
-   How far coupled rendering has shifted the object over the last interval [m]; a display takes it
-   off again.
+   Shift of the object by coupled rendering over the last interval [m]; subtract it before drawing
+   the object.
    */
   float object_shift;
   /*
-   What the coming interval is predicted to hold.
+   Predicted contact phase in the coming interval.
    */
   palpate_phase phase;
   /*
-   Why the sample was refused.
+   Reason for rejecting the sample.
    */
   palpate_fault fault;
   /*
@@ -936,15 +938,15 @@ typedef struct palpate_output_f32 {
    */
   uint32_t limited;
   /*
-   0.
+   Unused; 0.
    */
   uint32_t reserved;
 } palpate_output_f32;
 
 /*
- EnergyLedger of the object's energy, positive into the object; they balance at every sample: stored less
- stored at the start = port_work + virtual_force_work + outside_work + held_leak.
- palpate_ledger_empty() makes one to be filled, palpate_ledger_f32_empty() one in float.
+ Energy ledger of the object, positive into the object. At every sample it balances: stored energy less
+ initial stored energy = port_work + virtual_force_work + outside_work + held_leak.
+ palpate_ledger_empty() returns an empty one to be filled, palpate_ledger_f32_empty() one in float.
  */
 typedef struct palpate_ledger_f32 {
   /*
@@ -956,7 +958,7 @@ typedef struct palpate_ledger_f32 {
    */
   float stored;
   /*
-   Work of the held force on the object's side of the port [J].
+   Work of the held force on the object [J].
    */
   float port_work;
   /*
@@ -964,37 +966,37 @@ typedef struct palpate_ledger_f32 {
    */
   float virtual_force_work;
   /*
-   Placing the object anew, other parameters, and what passed while no sample could be trusted [J].
+   Energy added by teleporting the object, by parameter changes and during faults [J].
    */
   float outside_work;
   /*
-   Energy that the force which was held has created, less what it has destroyed [J].
+   Remaining leak: energy generated by the held force, less energy dissipated by it [J].
    */
   float held_leak;
   /*
-   The same over the last closed interval [J].
+   Remaining leak over the last closed interval [J].
    */
   float held_leak_last;
   /*
-   Sum of the absolute leaks of all closed intervals [J].
+   Sum of the absolute remaining leaks of all closed intervals [J].
    */
   float held_leak_absolute;
   /*
-   Energy that the plain spring force would have created over the same motion [J].
+   Original leak: energy that the sampled spring would have generated over the same motion [J].
    */
   float original_leak;
   /*
-   The same over the last closed interval [J].
+   Original leak over the last closed interval [J].
    */
   float original_leak_last;
   /*
-   Sum of its absolute leaks over all closed intervals [J].
+   Sum of the absolute original leaks of all closed intervals [J].
    */
   float original_leak_absolute;
 } palpate_ledger_f32;
 
 /*
- The loop, its device, and room for what a slow host publishes. palpate_local_params_default() fills it.
+ The loop, its device, and capacities for the published model. palpate_local_params_default() fills it.
  */
 typedef struct palpate_local_params {
   /*
@@ -1002,16 +1004,16 @@ typedef struct palpate_local_params {
    */
   size_t struct_size;
   /*
-   Nominal time from sample to sample of the loop, above 0 [s]: 0.001 is 1 ms. It has no default.
+   Nominal sampling period of the loop, above 0 [s]: 0.001 is 1 ms. It has no default.
    */
   double period;
   /*
-   Effective mass of the device along each axis of the world, above 0 [kg]; a factor of 2 is near enough. INFINITY: the device
-   lacks this axis. It has no default.
+   Effective mass of the device along each world axis, above 0 [kg]; an error of a factor of 2 is acceptable.
+   INFINITY: the device lacks this axis. It has no default.
    */
   double device_mass[3];
   /*
-   Radius of the tool, a sphere, not below 0 [m]. Default: 0, a point.
+   Radius of the spherical tool, not below 0 [m]. Default: 0, a point.
    */
   double tool_radius;
   /*
@@ -1019,15 +1021,15 @@ typedef struct palpate_local_params {
    */
   double stale_after;
   /*
-   Time in which they fade, and come back, above 0 [s]. Default: 0.1.
+   Time over which these contacts fade out, or back in, above 0 [s]. Default: 0.1.
    */
   double fade;
   /*
-   Time in which a change of a contact that touches comes in, above 0 [s]. Default: 0.01.
+   Time over which changes of an active contact are blended in, above 0 [s]. Default: 0.01.
    */
   double settle;
   /*
-   Time in which the loop's copy of a body goes back to the host's body, above 0 [s]. Default: 1.
+   Time over which the loop's copy of a body returns to the simulator's body, above 0 [s]. Default: 1.
    */
   double return_time;
   /*
@@ -1035,15 +1037,15 @@ typedef struct palpate_local_params {
    */
   double quantum;
   /*
-   Time from a sample to the moment at which its command begins to act, not below 0 [s]. Default: 0.
+   Delay from a sample to the start of its command, not below 0 [s]. Default: 0.
    */
   double delay;
   /*
-   Time constant of a first-order lag after it, not below 0 [s]. Default: 0.
+   Time constant of the first-order lag after the delay, not below 0 [s]. Default: 0.
    */
   double lag;
   /*
-   Delivered over commanded force, above 0. Default: 1.
+   Ratio of delivered to commanded force, above 0. Default: 1.
    */
   double gain;
   /*
@@ -1051,30 +1053,30 @@ typedef struct palpate_local_params {
    */
   double force_limit;
   /*
-   Time over which a force comes in where a start or a recovery finds contact, not below 0 [s]. Default: 0.2.
+   Ramp time of the force if a start or a recovery is in contact, not below 0 [s]. Default: 0.2.
    */
   double soft_start;
   /*
-   Number of the host's bodies, at most 16; 0, the default: contacts with what never moves only.
+   Number of the simulator's bodies, at most 16. 0, the default: contacts only with fixed surfaces.
    */
   uint32_t bodies;
   /*
-   Most contacts of a model, 1 to 64. Default: 8.
+   Largest number of contacts of a model, 1 to 64. Default: 8.
    */
   uint32_t contacts;
 } palpate_local_params;
 
 /*
- Where a device is. It stands in arrays, so it has no struct_size and stays as it is.
+ Pose of a device. The struct is an array element, so it has no struct_size and its layout is fixed.
  */
 typedef struct palpate_pose {
   /*
-   Measured position of its tool along the world's axes [m].
+   Measured position of the tool in world axes [m].
    */
   double position[3];
   /*
-   Measured orientation, for a device of six axes: a unit quaternion w, x, y, z that turns the tool's axes into those
-   of the world. Not looked at for a device of three axes.
+   Measured orientation of a device of six axes: the unit quaternion w, x, y, z that rotates the tool's axes to the
+   world's. Ignored for a device of three axes.
    */
   double orientation[4];
 } palpate_pose;
@@ -1088,7 +1090,7 @@ typedef struct palpate_world_sample {
    */
   size_t struct_size;
   /*
-   The devices, in the order of the scene.
+   Poses of the devices in the order of the scene.
    */
   const struct palpate_pose *poses;
   /*
@@ -1096,36 +1098,37 @@ typedef struct palpate_world_sample {
    */
   size_t pose_count;
   /*
-   Time since the sample before [s], where `has_elapsed` is not 0.
+   Time since the previous sample [s]; used if `has_elapsed` is 1.
    */
   double elapsed;
   /*
-   1: `elapsed` was measured. 0: one period.
+   1: `elapsed` is the measured time. 0: one period has elapsed.
    */
   uint32_t has_elapsed;
   /*
-   0.
+   Must be 0.
    */
   uint32_t reserved;
 } palpate_world_sample;
 
 /*
- What a device is to give to the hand, and to hold until the next sample. It stands in arrays, so it has no struct_size
- and stays as it is.
+ Wrench of a device on the hand, to be held until the next sample. The struct is an array element, so it has no
+ struct_size and its layout is fixed.
  */
 typedef struct palpate_wrench {
   /*
-   Force along the world's axes [N].
+   Force in world axes [N].
    */
   double force[3];
   /*
-   Torque about the tool's centre of mass along the world's axes [N m]; 0 for a device of three axes.
+   Torque about the tool's centre of mass in world axes [N m]; 0 for a device of three axes.
    */
   double torque[3];
 } palpate_wrench;
 
 /*
- What a tick by a local model says beside the force. palpate_local_output_empty() makes one to be filled.
+ Output of a local-model tick, in addition to the force. palpate_local_output_empty() returns an empty one to be
+ filled.
  */
 typedef struct palpate_local_output {
   /*
@@ -1133,11 +1136,11 @@ typedef struct palpate_local_output {
    */
   size_t struct_size;
   /*
-   Age of the newest model [s]; INFINITY where there is none.
+   Age of the newest model [s]; INFINITY if there is none.
    */
   double age;
   /*
-   Why the sample was refused. The force is then 0.
+   Reason for rejecting the sample. The force is then 0.
    */
   palpate_fault fault;
   /*
@@ -1145,33 +1148,34 @@ typedef struct palpate_local_output {
    */
   uint32_t limited;
   /*
-   1: the contacts fade, or have faded, because there is no model or it is too old.
+   1: the contacts fade or have faded, because there is no model or it is too old.
    */
   uint32_t is_stale;
   /*
-   Why the model that has come since the last tick was not taken.
+   Reason for rejecting the model that arrived since the last tick.
    */
   palpate_model_refusal refusal;
   /*
-   Sub-steps of the tick, with those that were replaced by finer ones.
+   Number of sub-steps, including replaced ones.
    */
   uint32_t sub_steps;
   /*
-   Sub-steps that were replaced by finer ones, where contacts begin, end, or begin to slip.
+   Number of sub-steps that were replaced by finer ones, at the start or end of a contact or of slip.
    */
   uint32_t refined;
   /*
-   Such sub-steps that were not: there were too many of them.
+   Number of such sub-steps that were not refined, because the limit was reached.
    */
   uint32_t unrefined;
   /*
-   1: the fastest contact asked for more sub-steps than a tick may have. A smaller stiffness or a shorter period helps.
+   1: the fastest contact needs more sub-steps than a tick allows. Reduce the stiffness or the period.
    */
   uint32_t too_fast;
 } palpate_local_output;
 
 /*
- How far the loop has come: what a host needs for its next step. palpate_progress_empty() makes one to be filled.
+ Progress of the loop: inputs for the simulator's next step. palpate_progress_empty() returns an empty one to be
+ filled.
  */
 typedef struct palpate_progress {
   /*
@@ -1179,45 +1183,47 @@ typedef struct palpate_progress {
    */
   size_t struct_size;
   /*
-   Periods that have passed: those that the loop has rendered, and those that it has missed. A model that has all impulses of this progress in it is of this tick.
+   Number of elapsed periods, rendered and missed. A model that includes all impulses of this progress has this
+   tick.
    */
   uint64_t tick;
   /*
-   Time from sample to sample of the loop [s].
+   Sampling period of the loop [s].
    */
   double period;
   /*
-   Where the avatar of the tool is at the end of the last period [m]: where the host looks for what the tool may touch.
+   Proxy position of the tool at the end of the last period [m]; the simulator detects contacts near it.
    */
   double position[3];
   /*
-   Its velocity [m/s].
+   Proxy velocity [m/s].
    */
   double velocity[3];
   /*
-   Tick of the newest model, where `has_model` is not 0.
+   Tick of the newest model, if `has_model` is 1.
    */
   uint64_t model_tick;
   /*
-   1: a model has been taken.
+   1: a model has been accepted.
    */
   uint32_t has_model;
   /*
-   1: the contacts fade, or have faded, because there is no model or it is too old.
+   1: the contacts fade or have faded, because there is no model or it is too old.
    */
   uint32_t is_stale;
   /*
-   Why the last model that came was not taken.
+   Reason for rejecting the last model.
    */
   palpate_model_refusal refusal;
   /*
-   0.
+   Unused; 0.
    */
   uint32_t reserved;
 } palpate_progress;
 
 /*
- What the tool has given to a body of the host. It stands in arrays, so it has no struct_size and stays as it is.
+ Impulses of the tool on a body of the simulator. The struct is an array element, so it has no struct_size and its
+ layout is fixed.
  */
 typedef struct palpate_body_progress {
   /*
@@ -1225,23 +1231,23 @@ typedef struct palpate_body_progress {
    */
   double impulse[3];
   /*
-   Its moment about the body's reference point [N m s].
+   Moment of the impulse about the body's reference point [N m s].
    */
   double moment[3];
   /*
-   Where the loop's copy of the body is [m].
+   Position of the loop's copy of the body [m].
    */
   double copy[3];
 } palpate_body_progress;
 
 /*
- A body of a slow host as of a tick, along the world's axes. Its reference point is where the host takes torques about, as a
- rule the centre of mass. It stands in arrays, so it has no struct_size and stays as it is. palpate_host_body_fixed() makes one
- that does not move.
+ A body of the simulator at a tick, in world axes. Torques are about its reference point, usually the centre of
+ mass. The struct is an array element, so it has no struct_size and its layout is fixed. palpate_host_body_fixed()
+ returns an immovable body.
  */
 typedef struct palpate_host_body {
   /*
-   Where the reference point is, and how the body is turned.
+   Position of the reference point, and orientation of the body.
    */
   struct palpate_pose pose;
   /*
@@ -1253,42 +1259,42 @@ typedef struct palpate_host_body {
    */
   double angular_velocity[3];
   /*
-   Acceleration of the reference point by everything but the tool, over the host's step [m/s^2].
+   Acceleration of the reference point over the simulator's step, without the tool's contribution [m/s^2].
    */
   double acceleration[3];
   /*
-   Angular acceleration by everything but the tool [rad/s^2].
+   Angular acceleration without the tool's contribution [rad/s^2].
    */
   double angular_acceleration[3];
   /*
-   What a wrench does to these six: rows are accelerations, columns force [N] and torque about the reference point [N m]. Of a
-   free body of mass m, 1/m in the first three places of the diagonal, and the inverse of its inertia in the last three rows
-   and columns; of a body that does not move, 0.
+   Mobility matrix: rows are accelerations, columns force [N] and torque about the reference point [N m]. For a
+   free body of mass m, the first three diagonal entries are 1/m, and the last three rows and columns are the
+   inverse inertia; for an immovable body all entries are 0.
    */
   double mobility[6][6];
 } palpate_host_body;
 
 /*
- A place where a sphere, the tool or a part of a body, may touch a surface, along the world's axes, with the bodies where the
- model says that they are. The surface is a plane or, with a curvature, a sphere; it is fixed to its body, and has no end. It
- stands in arrays, so it has no struct_size and stays as it is. palpate_host_contact_at_gap() makes one for the tool,
- palpate_host_contact_none() an empty place.
+ A potential contact of a sphere (the tool or a part of a body) with a surface, in world axes at the bodies' poses
+ in the model. The surface is a plane or, with a curvature, a sphere; it is attached to its body and unbounded.
+ The struct is an array element, so it has no struct_size and its layout is fixed. palpate_host_contact_at_gap()
+ returns one for the tool, palpate_host_contact_none() an empty one.
  */
 typedef struct palpate_host_contact {
   /*
-   A point of the surface: as a rule the one that is nearest to the sphere [m].
+   A point of the surface, usually the closest to the sphere [m].
    */
   double place[3];
   /*
-   Unit vector out of the surface there.
+   Unit normal out of the surface at this point.
    */
   double normal[3];
   /*
-   Curvature of the surface [1/m]: 1/r of a ball of radius r, -1/r of the inside of one, 0 of a plane.
+   Curvature of the surface [1/m]: 1/r for a ball of radius r, -1/r for its inside, 0 for a plane.
    */
   double curvature;
   /*
-   Stiffness, above 0 [N/m]. 0: there is no contact in this place of the array.
+   Stiffness, above 0 [N/m]. 0: this array element has no contact.
    */
   double stiffness;
   /*
@@ -1300,33 +1306,33 @@ typedef struct palpate_host_contact {
    */
   double friction;
   /*
-   Stiffness of friction, above 0 [N/m]; 0: as `stiffness`.
+   Tangential stiffness of friction, above 0 [N/m]; 0: equal to `stiffness`.
    */
   double friction_stiffness;
   /*
-   Damping of friction [N s/m]; 0: `damping` times `friction_stiffness` over `stiffness`; below 0: none.
+   Damping of friction [N s/m]; 0: `damping` times `friction_stiffness` over `stiffness`; below 0: no damping.
    */
   double friction_damping;
   /*
-   Of a sphere of a body, its centre [m]. Not looked at for the tool.
+   Centre of a body's sphere [m]. Ignored for the tool.
    */
   double centre[3];
   /*
-   Of a sphere of a body, its radius, not below 0 [m]. Not looked at for the tool.
+   Radius of a body's sphere, not below 0 [m]. Ignored for the tool.
    */
   double radius;
   /*
-   Place of the body whose surface is touched; PALPATE_NO_BODY: something that never moves.
+   Index of the body with the surface; PALPATE_NO_BODY: a fixed surface.
    */
   uint32_t on;
   /*
-   Place of the body whose sphere touches; PALPATE_NO_BODY: the tool.
+   Index of the body with the sphere; PALPATE_NO_BODY: the tool.
    */
   uint32_t of;
 } palpate_host_contact;
 
 /*
- What a recording is to have. palpate_recorder_params_default() makes one with every default.
+ Parameters of a recording. palpate_recorder_params_default() returns the defaults.
  */
 typedef struct palpate_recorder_params {
   /*
@@ -1334,22 +1340,22 @@ typedef struct palpate_recorder_params {
    */
   size_t struct_size;
   /*
-   Name of the device, in UTF-8; NULL: not said.
+   Name of the device, in UTF-8; NULL: unknown.
    */
   const char *device;
   /*
-   Text of a scene file of what is rendered, in UTF-8, which `palpate replay` of a contact needs; NULL: none.
+   Text of a scene file of the rendered contact, in UTF-8; `palpate replay` of a contact needs it. NULL: none.
    */
   const char *scene;
   /*
-   Ticks of one contact that may wait for the disk, 1 to 2^24; each takes about 1 KiB, all at once: PALPATE_STATUS_MEMORY where
-   the system has not so much. 0: 65536.
+   Capacity of the queue to the disk in ticks of one contact, 1 to 2^24. Each takes about 1 KiB, allocated at
+   the start: PALPATE_STATUS_MEMORY if the system has too little. 0: 65536.
    */
   size_t room;
 } palpate_recorder_params;
 
 /*
- What a recording had in the end. palpate_recorded_empty() makes one to be filled.
+ Result of a recording. palpate_recorded_empty() returns an empty one to be filled.
  */
 typedef struct palpate_recorded {
   /*
@@ -1361,17 +1367,17 @@ typedef struct palpate_recorded {
    */
   uint64_t ticks_made;
   /*
-   Ticks that the file has; 0 where the system refused to write it to its end.
+   Ticks in the file; 0 if the file could not be completed.
    */
   uint64_t ticks;
   /*
-   Ticks that found no room on their way to the disk. The file says which.
+   Ticks dropped because the queue was full. The file lists them.
    */
   uint64_t lost;
 } palpate_recorded;
 
 /*
- What a tick of a world says beside the wrenches. palpate_world_output_empty() makes one to be filled.
+ Output of a world tick, in addition to the wrenches. palpate_world_output_empty() returns an empty one to be filled.
  */
 typedef struct palpate_world_output {
   /*
@@ -1379,11 +1385,11 @@ typedef struct palpate_world_output {
    */
   size_t struct_size;
   /*
-   Why the sample was refused. Every wrench is then 0.
+   Reason for rejecting the sample. All wrenches are then 0.
    */
   palpate_fault fault;
   /*
-   The device whose sample is at fault; PALPATE_NO_DEVICE where it is none of one device.
+   Index of the device with the faulty sample; PALPATE_NO_DEVICE if the fault does not belong to one device.
    */
   uint32_t fault_device;
   /*
@@ -1391,29 +1397,29 @@ typedef struct palpate_world_output {
    */
   uint32_t limited;
   /*
-   Sub-steps of the tick, with those that were replaced by finer ones.
+   Number of sub-steps, including replaced ones.
    */
   uint32_t sub_steps;
   /*
-   Sub-steps that were replaced by finer ones, where contacts begin, end, or begin to slip.
+   Number of sub-steps that were replaced by finer ones, at the start or end of a contact or of slip.
    */
   uint32_t refined;
   /*
-   Such sub-steps that were not: there were too many of them.
+   Number of such sub-steps that were not refined, because the limit was reached.
    */
   uint32_t unrefined;
   /*
-   1: the fastest contact asked for more sub-steps than a tick may have. A smaller stiffness or a shorter period helps.
+   1: the fastest contact needs more sub-steps than a tick allows. Reduce the stiffness or the period.
    */
   uint32_t too_fast;
   /*
-   Triangles of meshes and contacts with them that a sub-step had no room for.
+   Number of mesh triangles and mesh contacts that exceeded the capacity of a sub-step.
    */
   uint32_t left_out;
 } palpate_world_output;
 
 /*
- The loop of a scene, and what methods have for settings. palpate_scene_params_default() fills it.
+ The loop of a scene and the settings of methods. palpate_scene_params_default() fills it.
  */
 typedef struct palpate_scene_params {
   /*
@@ -1421,49 +1427,49 @@ typedef struct palpate_scene_params {
    */
   size_t struct_size;
   /*
-   Nominal time from sample to sample, above 0 [s]: 0.001 is 1 ms. It has no default.
+   Nominal sampling period, above 0 [s]: 0.001 is 1 ms. It has no default.
    */
   double period;
   /*
-   Time from a sample to the moment at which its command begins to act, not below 0 [s]. Default: 0.
+   Delay from a sample to the start of its command, not below 0 [s]. Default: 0.
    */
   double delay;
   /*
-   Time constant of a first-order lag after it, not below 0 [s]. Default: 0.
+   Time constant of the first-order lag after the delay, not below 0 [s]. Default: 0.
    */
   double lag;
   /*
-   Delivered over commanded force, above 0. Default: 1.
+   Ratio of delivered to commanded force, above 0. Default: 1.
    */
   double gain;
   /*
-   Damping of the methods that damp [N s/m]; 0, the default: not said.
+   Damping of the methods with damping [N s/m]; 0, the default: unset.
    */
   double damping;
   /*
-   The same of turning [N m s/rad].
+   Rotational damping of the methods with damping [N m s/rad].
    */
   double rotational_damping;
   /*
-   Stiffness of virtual-coupling and god-object [N/m]; 0, the default: not said.
+   Stiffness of virtual-coupling and god-object [N/m]; 0, the default: unset.
    */
   double coupling_stiffness;
   /*
-   Mass of the avatar of virtual-coupling [kg]; 0, the default: not said.
+   Proxy mass of virtual-coupling [kg]; 0, the default: unset.
    */
   double coupling_mass;
   /*
-   The stiffness of its turning [N m/rad].
+   Rotational stiffness of virtual-coupling [N m/rad].
    */
   double coupling_rotational_stiffness;
   /*
-   The moment of inertia of its avatar [kg m^2].
+   Proxy moment of inertia of virtual-coupling [kg m^2].
    */
   double coupling_inertia;
 } palpate_scene_params;
 
 /*
- A device, as the renderer is told it. palpate_device_params_default() fills it.
+ Model values of a device. palpate_device_params_default() fills it.
  */
 typedef struct palpate_device_params {
   /*
@@ -1471,7 +1477,7 @@ typedef struct palpate_device_params {
    */
   size_t struct_size;
   /*
-   Effective mass along each axis, above 0 [kg]; a factor of 2 is near enough. It has no default.
+   Effective mass along each axis, above 0 [kg]; an error of a factor of 2 is acceptable. It has no default.
    */
   double mass[3];
   /*
@@ -1479,27 +1485,27 @@ typedef struct palpate_device_params {
    */
   double quantum[3];
   /*
-   Of a device that measures six axes, its moments of inertia along the tool's axes, above 0 [kg m^2].
+   Moments of inertia along the tool's axes, above 0 [kg m^2]; for devices that measure six axes.
    */
   double inertia[3];
   /*
-   Of a device that measures six axes, the quantum of its angles, not below 0 [rad]. Default: 0.
+   Quantum of the angles, not below 0 [rad]; for devices that measure six axes. Default: 0.
    */
   double angle_quantum;
   /*
-   1: a device of six axes. 2: one that measures six axes and gives no torque, so that its hand alone turns the tool. 0, the
-   default: one of three.
+   0, the default: a device of three axes. 1: a device of six axes. 2: a device that measures six axes but gives no
+   torque, so only the hand rotates the tool.
    */
   uint32_t turns;
   /*
-   0.
+   Must be 0.
    */
   uint32_t reserved;
 } palpate_device_params;
 
 /*
- A shape, in the own axes of the tool or body that has it. palpate_shape_default() fills it. Arrays are copied by the calls
- that take a shape.
+ A shape, in the axes of its tool or body. palpate_shape_default() fills it. Functions that take a shape copy its
+ arrays.
  */
 typedef struct palpate_shape {
   /*
@@ -1511,7 +1517,7 @@ typedef struct palpate_shape {
    */
   uint32_t kind;
   /*
-   0.
+   Must be 0.
    */
   uint32_t reserved;
   /*
@@ -1519,35 +1525,35 @@ typedef struct palpate_shape {
    */
   double radius;
   /*
-   Half of the length of a capsule's segment or a cylinder [m].
+   Half the length of a capsule's segment or a cylinder [m].
    */
   double half_length;
   /*
-   Half of a block's length along each axis [m].
+   Half the length of a box along each axis [m].
    */
   double half_extents[3];
   /*
-   Out of a half-space, of any length above 0. Default: z.
+   Outward normal of a half-space, of any length above 0. Default: z.
    */
   double normal[3];
   /*
-   Where a half-space's surface is along its normal [m].
+   Position of a half-space's surface along its normal [m].
    */
   double offset;
   /*
-   Points of a mesh or hull, or centres of spheres: three numbers for each [m].
+   Points of a mesh or hull, or centres of spheres: three numbers per point [m].
    */
   const double *points;
   /*
-   How many they are.
+   Number of points.
    */
   size_t point_count;
   /*
-   Triangles of a mesh: the places of three points for each, in turn to the left as they are seen from outside.
+   Triangles of a mesh: three point indices each, counter-clockwise as seen from outside.
    */
   const uint32_t *faces;
   /*
-   How many they are.
+   Number of triangles.
    */
   size_t face_count;
 } palpate_shape;
@@ -1561,33 +1567,34 @@ typedef struct palpate_body_params {
    */
   size_t struct_size;
   /*
-   Where it is at the start, and how it is turned: of a body that moves, its centre of mass. Default: the origin.
+   Initial pose; the position of a moving body is its centre of mass. Default: the origin.
    */
   struct palpate_pose pose;
   /*
-   Mass, above 0 [kg]. INFINITY, the default: a fixed body, which takes no force; one with a velocity is refused.
+   Mass, above 0 [kg]. INFINITY, the default: a fixed body, which must not have a velocity.
    */
   double mass;
   /*
-   Moments of inertia about the centre of mass along its own axes [kg m^2]. All 0, the default: of its shape, filled evenly.
+   Moments of inertia about the centre of mass along the body axes [kg m^2]. All 0, the default: those of a
+   homogeneous solid of its shape.
    */
   double inertia[3];
   /*
-   Velocity of the centre of mass at the start [m/s]. Default: 0.
+   Initial velocity of the centre of mass [m/s]. Default: 0.
    */
   double velocity[3];
   /*
-   Angular velocity at the start along the world's axes [rad/s]. Default: 0.
+   Initial angular velocity in world axes [rad/s]. Default: 0.
    */
   double angular_velocity[3];
   /*
-   A constant force at the centre of mass, its weight for instance [N]. Default: 0.
+   Constant force at the centre of mass, for instance its weight [N]. Default: 0.
    */
   double force[3];
 } palpate_body_params;
 
 /*
- The law of a contact: how two surfaces push each other where they overlap, and rub. palpate_contact_law_default() fills it.
+ Contact law: normal force and friction of two overlapping surfaces. palpate_contact_law_default() fills it.
  */
 typedef struct palpate_contact_law {
   /*
@@ -1607,17 +1614,18 @@ typedef struct palpate_contact_law {
    */
   double friction;
   /*
-   Stiffness of the bristle by which they rub [N/m]. 0, the default: `stiffness`.
+   Stiffness of the friction bristle [N/m]. 0, the default: `stiffness`.
    */
   double friction_stiffness;
   /*
-   Damping of the bristle [N s/m]. 0, the default: `damping` times `friction_stiffness` over `stiffness`. Below 0: none.
+   Damping of the bristle [N s/m]. 0, the default: `damping` times `friction_stiffness` over `stiffness`. Below
+   0: no damping.
    */
   double friction_damping;
 } palpate_contact_law;
 
 /*
- A joint: a bearing of springs, stiff in all directions but one. palpate_joint_params_default() fills it.
+ A joint: a bearing made of springs, stiff in all directions except one. palpate_joint_params_default() fills it.
  */
 typedef struct palpate_joint_params {
   /*
@@ -1625,27 +1633,27 @@ typedef struct palpate_joint_params {
    */
   size_t struct_size;
   /*
-   One of palpate_joint.
+   A palpate_joint.
    */
   uint32_t kind;
   /*
-   1: it has stops at `limits`. 0, the default: none.
+   1: stops at `limits`. 0, the default: no stops.
    */
   uint32_t has_limits;
   /*
-   The middle of the bearing, in world axes as the bodies stand when a world is made or changed [m].
+   Centre of the bearing in world axes, at the bodies' poses when the world is created or changed [m].
    */
   double point[3];
   /*
-   Along its axis, of any length above 0. Default: z.
+   Direction of the axis, of any length above 0. Default: z.
    */
   double axis[3];
   /*
-   Stiffness against what it does not let pass, above 0 [N/m]. It has no default.
+   Stiffness in the constrained directions, above 0 [N/m]. It has no default.
    */
   double stiffness;
   /*
-   The same of damping, not below 0 [N s/m]. Default: 0.
+   Damping in the constrained directions, not below 0 [N s/m]. Default: 0.
    */
   double damping;
   /*
@@ -1653,25 +1661,25 @@ typedef struct palpate_joint_params {
    */
   double span;
   /*
-   Stiffness of a spring along or about the axis, not below 0 [N/m], of a hinge [N m/rad]. Default: 0.
+   Stiffness of a spring along or about the axis, not below 0 [N/m], for a hinge [N m/rad]. Default: 0.
    */
   double spring;
   /*
-   Where that spring is relaxed [m], of a hinge [rad]. Default: 0, as the bodies stand.
+   Rest position of that spring [m], for a hinge [rad]. Default: 0, the initial pose.
    */
   double rest;
   /*
-   Damping along or about the axis, not below 0 [N s/m], of a hinge [N m s/rad]. Default: 0.
+   Damping along or about the axis, not below 0 [N s/m], for a hinge [N m s/rad]. Default: 0.
    */
   double along_damping;
   /*
-   Where its stops are [m], of a hinge [rad].
+   Positions of the stops [m], for a hinge [rad].
    */
   double limits[2];
 } palpate_joint_params;
 
 /*
- How a world is rendered, where that is not as its scene says. palpate_world_params_default() fills it.
+ Overrides of the rendering parameters of a scene. palpate_world_params_default() fills it.
  */
 typedef struct palpate_world_params {
   /*
@@ -1679,27 +1687,28 @@ typedef struct palpate_world_params {
    */
   size_t struct_size;
   /*
-   Name of the method: basic, virtual-damper, virtual-coupling, god-object or coupled. NULL, the default: the scene's.
+   Name of the method: basic, virtual-damper, virtual-coupling, god-object or coupled. NULL, the default: that
+   of the scene.
    */
   const char *method;
   /*
-   Largest force on each device, by its norm [N]. INFINITY: no limit, and none of the torque unless one is given. 0,
-   the default: the scene's, or 20 N where it has none.
+   Largest norm of the force on each device [N]. INFINITY: no limit, and no torque limit unless one is given. 0,
+   the default: the limit of the scene, or 20 N.
    */
   double force_limit;
   /*
-   Largest torque on each device, by its norm [N m]. INFINITY: no limit. 0, the default: the scene's, or 1 N m where
-   it has none.
+   Largest norm of the torque on each device [N m]. INFINITY: no limit. 0, the default: the limit of the scene,
+   or 1 N m.
    */
   double torque_limit;
   /*
-   Time over which a force comes in where a start or a recovery finds contact, not below 0 [s]. Default: 0.2.
+   Ramp time of the force if a start or a recovery is in contact, not below 0 [s]. Default: 0.2.
    */
   double soft_start;
 } palpate_world_params;
 
 /*
- A body at the last sample. palpate_body_state_empty() makes one to be filled.
+ A body at the last sample. palpate_body_state_empty() returns an empty one to be filled.
  */
 typedef struct palpate_body_state {
   /*
@@ -1707,21 +1716,21 @@ typedef struct palpate_body_state {
    */
   size_t struct_size;
   /*
-   Where its centre of mass is, and how it is turned.
+   Position of the centre of mass, and orientation.
    */
   struct palpate_pose pose;
   /*
-   Velocity of its centre of mass [m/s].
+   Velocity of the centre of mass [m/s].
    */
   double velocity[3];
   /*
-   Angular velocity along the world's axes [rad/s].
+   Angular velocity in world axes [rad/s].
    */
   double angular_velocity[3];
 } palpate_body_state;
 
 /*
- A point at which two can touch, at the last sample. palpate_contact_state_empty() makes one to be filled.
+ A potential contact point at the last sample. palpate_contact_state_empty() returns an empty one to be filled.
  */
 typedef struct palpate_contact_state {
   /*
@@ -1729,49 +1738,49 @@ typedef struct palpate_contact_state {
    */
   size_t struct_size;
   /*
-   Place of the device of the first of the two; PALPATE_NO_DEVICE where it is a body.
+   Index of the first device; PALPATE_NO_DEVICE if the first object is a body.
    */
   uint32_t first_device;
   /*
-   Place of the body of the first; PALPATE_NO_BODY where it is a device.
+   Index of the first body; PALPATE_NO_BODY if the first object is a device.
    */
   uint32_t first_body;
   /*
-   The same of the second.
+   Index of the second device; PALPATE_NO_DEVICE if the second object is a body.
    */
   uint32_t second_device;
   /*
-   The same of the second.
+   Index of the second body; PALPATE_NO_BODY if the second object is a device.
    */
   uint32_t second_body;
   /*
-   Whether they touch, and how.
+   Contact state.
    */
   palpate_touch touch;
   /*
-   0.
+   Unused; 0.
    */
   uint32_t reserved;
   /*
-   Where the force acts [m].
+   Point of application of the force [m].
    */
   double point[3];
   /*
-   Unit vector from the second to the first.
+   Unit normal from the second to the first object.
    */
   double normal[3];
   /*
-   Force on the first [N].
+   Force on the first object [N].
    */
   double force[3];
   /*
-   How far they overlap, 0 where they do not [m].
+   Penetration; 0 without overlap [m].
    */
   double penetration;
 } palpate_contact_state;
 
 /*
- The tool of a device at the last sample. palpate_device_state_empty() makes one to be filled.
+ Tool of a device at the last sample. palpate_device_state_empty() returns an empty one to be filled.
  */
 typedef struct palpate_device_state {
   /*
@@ -1779,11 +1788,11 @@ typedef struct palpate_device_state {
    */
   size_t struct_size;
   /*
-   Where the device is, by what the method knows.
+   Device pose as estimated by the method.
    */
   struct palpate_pose pose;
   /*
-   What the world meets in its place: draw the tool here.
+   Proxy pose, with which the world collides. Draw the tool here.
    */
   struct palpate_pose proxy;
   /*
@@ -1791,13 +1800,14 @@ typedef struct palpate_device_state {
    */
   double velocity[3];
   /*
-   Velocity of its avatar [m/s].
+   Velocity of the proxy [m/s].
    */
   double proxy_velocity[3];
 } palpate_device_state;
 
 /*
- Sums of a world's books up to the last sample. palpate_world_ledger_empty() makes one to be filled.
+ Sums of a world's energy ledger up to the last sample. palpate_world_ledger_empty() returns an empty one to be
+ filled.
  */
 typedef struct palpate_world_ledger {
   /*
@@ -1817,7 +1827,7 @@ typedef struct palpate_world_ledger {
    */
   double stored;
   /*
-   What damping and friction have taken [J]: never falls.
+   Energy dissipated by damping and friction [J]; it never decreases.
    */
   double dissipated;
   /*
@@ -1825,8 +1835,8 @@ typedef struct palpate_world_ledger {
    */
   double port_work;
   /*
-   Energy that held forces have created [J]: what hands, bodies, contacts and dissipation have gained together, and
-   nobody has put in.
+   Energy generated by held forces [J]: the gain of hands, bodies, contacts and dissipation together that no input
+   supplied.
    */
   double created;
 } palpate_world_ledger;
@@ -1836,30 +1846,30 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- The version of the interface that the library has: that of the header, `PALPATE_ABI_VERSION`, or the
- two do not belong together.
+ Returns the interface version of the library. It must equal `PALPATE_ABI_VERSION` of the header; otherwise
+ header and library are incompatible.
  */
 uint32_t palpate_abi_version(void);
 
 /*
- The version of the library, such as "0.1.0".
+ Returns the version of the library, such as "0.1.0".
  */
 const char *palpate_version(void);
 
 /*
- Makes a contact, to be freed by palpate_contact_free, and puts it into `*contact`; NULL on an error.
- Not in the library for firmware.
+ Creates a contact and stores it in `*contact`, or NULL on an error. Free it with palpate_contact_free.
+ Not in the firmware library.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_contact_new(const struct palpate_contact_params *params,
                                    const struct palpate_loop_params *loop_params,
                                    struct palpate_contact **contact);
 
 /*
- Frees a contact of palpate_contact_new. NULL, and a contact in memory of the caller's, are left alone.
- Not in the library for firmware.
+ Frees a contact of palpate_contact_new. NULL and a contact in caller-owned memory are ignored.
+ Not in the firmware library.
 
  # Safety
  `contact` is NULL or a contact, and is not used afterwards.
@@ -1867,22 +1877,22 @@ palpate_status palpate_contact_new(const struct palpate_contact_params *params,
 void palpate_contact_free(struct palpate_contact *contact);
 
 /*
- Bytes that a contact has.
+ Returns the size of a contact in bytes.
  */
 size_t palpate_contact_size(void);
 
 /*
- A multiple of this is where a contact may begin.
+ Returns the alignment of a contact in bytes.
  */
 size_t palpate_contact_align(void);
 
 /*
- Makes a contact in `size` bytes of the caller's at `memory`, and puts it into `*contact`; NULL on an
- error. It is there as long as the memory is; nothing has to be freed.
+ Creates a contact in `size` bytes of caller-owned memory and stores its address in `*contact`, or NULL on
+ an error. The contact lives as long as the memory and need not be freed.
 
  # Safety
- `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or to what its type
- says; structs have the sizes that they begin with.
+ `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or points to a value of its
+ type; the first field of each struct is its size.
  */
 palpate_status palpate_contact_place(void *memory,
                                      size_t size,
@@ -1891,23 +1901,23 @@ palpate_status palpate_contact_place(void *memory,
                                      struct palpate_contact **contact);
 
 /*
- One tick: takes a sample and gives the force on the device [N], to be held until the next one.
+ Executes one tick: takes a sample and returns the force on the device [N], to be held until the next tick.
 
- It cannot fail: the force is a finite number for any input, and 0 where a sample is refused or an
- argument is wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL; where
- it is given, its `fault` says why a sample was refused. Where an argument is wrong, PALPATE_FAULT_ARGUMENT, there was no tick:
- the contact stays as it was.
+ It cannot fail: the force is finite for any input, and 0 if the sample is rejected or an argument is
+ wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL; otherwise its `fault`
+ is the reason for rejecting a sample. PALPATE_FAULT_ARGUMENT means that an argument is wrong: no tick was
+ executed, and the contact is unchanged.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 double palpate_contact_step(struct palpate_contact *contact,
                             const struct palpate_sample *sample,
                             struct palpate_output *output);
 
 /*
- Says which force on the device was really sent for the last tick [N], where it is another one than
- the tick has given: something between has limited it. What is not finite is refused.
+ Reports the force that was actually sent to the device for the last tick, for example after saturation [N].
+ A non-finite force is rejected.
 
  # Safety
  `contact` is NULL or a contact.
@@ -1915,8 +1925,7 @@ double palpate_contact_step(struct palpate_contact *contact,
 palpate_status palpate_contact_report_sent(struct palpate_contact *contact, double force_on_device);
 
 /*
- Says which force on the device has really acted since the last sample, in the mean [N], where
- somebody has measured it. What is not finite is refused.
+ Reports the measured mean force on the device since the last sample [N]. A non-finite force is rejected.
 
  # Safety
  `contact` is NULL or a contact.
@@ -1924,23 +1933,23 @@ palpate_status palpate_contact_report_sent(struct palpate_contact *contact, doub
 palpate_status palpate_contact_report_held(struct palpate_contact *contact, double force_on_device);
 
 /*
- Renders something else from the next tick on, without a step in the force: stiffness, mass and
- virtual force pass over to the new ones in 0.1 s, and so does the difference that another method
- makes. The energy of it is booked as outside work. Where the object is does not change: that is
- palpate_contact_teleport. The period and the side stay. On an error all is as it was.
+ Changes the rendering from the next tick on, without a step in the force: stiffness, mass, virtual force
+ and the difference between two methods are blended over 0.1 s. The energy of the change is recorded as
+ outside work. The object's position does not change (see palpate_contact_teleport), nor do the period and
+ the side. On an error nothing changes.
 
- It does not allocate or wait, so the thread of the loop can call it between two ticks.
+ It does not allocate or wait, so the loop thread can call it between two ticks.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_contact_change(struct palpate_contact *contact,
                                       const struct palpate_contact_params *params,
                                       const struct palpate_loop_params *loop_params);
 
 /*
- Puts the object's surface at `position` [m] with the velocity `velocity` [m/s] with the next sample.
- The energy of it is booked as outside work.
+ Moves the object's surface to `position` [m] with velocity `velocity` [m/s] at the next sample. The energy
+ of the move is recorded as outside work.
 
  # Safety
  `contact` is NULL or a contact.
@@ -1948,16 +1957,16 @@ palpate_status palpate_contact_change(struct palpate_contact *contact,
 palpate_status palpate_contact_teleport(struct palpate_contact *contact, double position, double velocity);
 
 /*
- Puts the books up to the last sample into `*ledger`.
+ Writes the energy ledger up to the last sample to `*ledger`.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_contact_ledger(const struct palpate_contact *contact, struct palpate_ledger *ledger);
 
 /*
- Puts what is rendered, in words, into `size` bytes at `memory`, cut to them and ended by a 0. Its
- whole length without the 0; 0 where `contact` is NULL.
+ Writes a description of the rendering to `memory`, truncated to `size` bytes and terminated by a 0.
+ Returns the untruncated length without the 0, or 0 if `contact` is NULL.
 
  # Safety
  `contact` is NULL or a contact; `memory` is NULL, or `size` bytes can be written there.
@@ -1965,17 +1974,17 @@ palpate_status palpate_contact_ledger(const struct palpate_contact *contact, str
 size_t palpate_contact_describe(const struct palpate_contact *contact, char *memory, size_t size);
 
 /*
- As palpate_contact_new, in float: the parameters are rounded once. Not in the library for firmware.
+ As palpate_contact_new, in float: the parameters are rounded once. Not in the firmware library.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_contact_f32_new(const struct palpate_contact_params *params,
                                        const struct palpate_loop_params *loop_params,
                                        struct palpate_contact_f32 **contact);
 
 /*
- As palpate_contact_free, in float. Not in the library for firmware.
+ As palpate_contact_free, in float. Not in the firmware library.
 
  # Safety
  `contact` is NULL or a contact, and is not used afterwards.
@@ -1996,8 +2005,8 @@ size_t palpate_contact_f32_align(void);
  As palpate_contact_place, in float: the parameters are rounded once.
 
  # Safety
- `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or to what its type
- says; structs have the sizes that they begin with.
+ `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or points to a value of its
+ type; the first field of each struct is its size.
  */
 palpate_status palpate_contact_f32_place(void *memory,
                                          size_t size,
@@ -2009,7 +2018,7 @@ palpate_status palpate_contact_f32_place(void *memory,
  As palpate_contact_step, in float.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 float palpate_contact_f32_step(struct palpate_contact_f32 *contact,
                                const struct palpate_sample_f32 *sample,
@@ -2035,7 +2044,7 @@ palpate_status palpate_contact_f32_report_held(struct palpate_contact_f32 *conta
  As palpate_contact_change, in float.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_contact_f32_change(struct palpate_contact_f32 *contact,
                                           const struct palpate_contact_params *params,
@@ -2055,7 +2064,7 @@ palpate_status palpate_contact_f32_teleport(struct palpate_contact_f32 *contact,
  As palpate_contact_ledger, in float.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_contact_f32_ledger(const struct palpate_contact_f32 *contact,
                                           struct palpate_ledger_f32 *ledger);
@@ -2069,7 +2078,7 @@ palpate_status palpate_contact_f32_ledger(const struct palpate_contact_f32 *cont
 size_t palpate_contact_f32_describe(const struct palpate_contact_f32 *contact, char *memory, size_t size);
 
 /*
- Fills parameters of a contact with the defaults. `struct_size` is sizeof(palpate_contact_params).
+ Fills contact parameters with the defaults. `struct_size` is sizeof(palpate_contact_params).
 
  # Safety
  `params` is NULL, or `struct_size` bytes can be written there.
@@ -2077,42 +2086,42 @@ size_t palpate_contact_f32_describe(const struct palpate_contact_f32 *contact, c
 palpate_status palpate_contact_params_init(struct palpate_contact_params *params, size_t struct_size);
 
 /*
- What was wrong with the last call that failed: what, which value, and what is allowed, in UTF-8. ""
- before the first one. Each thread has its own; in the library for firmware there is one for the whole
- program. The text is there until the next call that fails, at most as long as its thread.
+ Returns the message of the last failed call in UTF-8: what is wrong, the value, and the allowed range.
+ Returns "" before the first failure. Each thread has its own message; the firmware library has one for the
+ whole program. The text is valid until the next failed call, and not after the end of its thread.
  */
 const char *palpate_last_error(void);
 
 /*
- Makes both ends of a local model, and puts them into `*world` and `*host`; NULL on an error. The loop's end belongs to the
- thread that samples the device, the host's end to the thread of the host; neither ever waits for the other one. Each is to be
- freed, in any order, by palpate_local_world_free and palpate_low_rate_simulator_free.
+ Creates both sides of a local model and stores them in `*world` and `*host`, or NULL on an error. The loop side
+ belongs to the thread that samples the device, the simulator side to the thread of the simulator; neither waits
+ for the other. Free them, in any order, with palpate_local_world_free and palpate_low_rate_simulator_free.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_local_world_new(const struct palpate_local_params *params,
                                        struct palpate_local_world **world,
                                        struct palpate_low_rate_simulator **host);
 
 /*
- Frees the loop's end of a local model. NULL is allowed.
+ Frees the loop side of a local model. NULL is allowed.
 
  # Safety
- `world` is NULL or such an end, and is not used afterwards.
+ `world` is NULL or a loop side, and is not used afterwards.
  */
 void palpate_local_world_free(struct palpate_local_world *world);
 
 /*
- One tick: takes a sample of the device, with one pose, and puts what it is to hold until the next one into `*wrench`, by the
- newest model that the host has published. The orientation is not looked at, and the torque is 0.
+ Executes one tick with the newest published model: takes a device sample with one pose and writes the wrench to
+ hold until the next tick to `*wrench`. The orientation is ignored, and the torque is 0.
 
- It cannot fail: the wrench has finite numbers for any input, and is all 0 where a sample is refused or an argument is wrong;
- what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL. Where an argument is
- wrong, PALPATE_FAULT_ARGUMENT, there was no tick.
+ It cannot fail: the wrench is finite for any input, and 0 if the sample is rejected or an argument is wrong; the
+ return value is the reason. It does not allocate, lock, wait, or loop without bound. `output` may be NULL.
+ PALPATE_FAULT_ARGUMENT means that an argument is wrong and no tick was executed.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_fault palpate_local_world_step(struct palpate_local_world *world,
                                        const struct palpate_world_sample *sample,
@@ -2120,53 +2129,55 @@ palpate_fault palpate_local_world_step(struct palpate_local_world *world,
                                        struct palpate_local_output *output);
 
 /*
- Says what was really sent to the device for the last tick, where it is another force than the tick has given: something
- between has limited it. What is not finite is refused.
+ Reports the force that was actually sent to the device for the last tick, for example after saturation. A non-finite
+ force is rejected.
 
  # Safety
- Each pointer is NULL or to what its type says.
+ Each pointer is NULL or points to a value of its type.
  */
 palpate_status palpate_local_world_report_sent(struct palpate_local_world *world,
                                                const struct palpate_wrench *sent);
 
 /*
- Frees the host's end of a local model. NULL is allowed. What it has published fades in the loop.
+ Frees the simulator side of a local model. NULL is allowed. The loop fades out the last published model.
 
  # Safety
- `host` is NULL or such an end, and is not used afterwards.
+ `host` is NULL or a simulator side, and is not used afterwards.
  */
 void palpate_low_rate_simulator_free(struct palpate_low_rate_simulator *host);
 
 /*
- Puts how far the loop has come, as of its last tick, into `*progress`, and what the tool has given to each body into `bodies`,
- of which there are `body_count`: as many as the local model has. Both are of the same tick.
+ Writes the progress of the loop at its last tick to `*progress`, and the impulses of the tool on each body at the
+ same tick to `bodies`. `body_count` is the number of bodies of the local model.
 
  # Safety
- Each pointer is NULL or to what its type says, `bodies` to `body_count` of them; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type, `bodies` to `body_count` of them; the first field of each
+ sized struct is its size.
  */
 palpate_status palpate_low_rate_simulator_progress(struct palpate_low_rate_simulator *host,
-                                          struct palpate_progress *progress,
-                                          struct palpate_body_progress *bodies,
-                                          size_t body_count);
+                                                   struct palpate_progress *progress,
+                                                   struct palpate_body_progress *bodies,
+                                                   size_t body_count);
 
 /*
- Publishes the host's bodies and contacts as of a tick: that of the progress whose impulses the bodies have in them. The loop
- renders by them from its next tick on. A contact is known by its place in `contacts`: the one in the same place of the next
- model is the same contact, which has moved. On an error, which says everything that is wrong, the model before stays. What the
- loop does not take, the next progress says.
+ Publishes the simulator's bodies and contacts for a tick: the tick of the progress whose impulses the bodies
+ include. The loop renders them from its next tick on. The index in `contacts` identifies a contact: the same
+ index in the next model is the same, moved contact. On an error, whose message lists all faults, the previous
+ model stays. The next progress reports a model that the loop rejects.
 
  # Safety
- Each pointer is NULL or to what its type says, `bodies` and `contacts` to as many as are said.
+ Each pointer is NULL or points to a value of its type, `bodies` and `contacts` to `body_count` and
+ `contact_count` of them.
  */
 palpate_status palpate_low_rate_simulator_publish(struct palpate_low_rate_simulator *host,
-                                         uint64_t tick,
-                                         const struct palpate_host_body *bodies,
-                                         size_t body_count,
-                                         const struct palpate_host_contact *contacts,
-                                         size_t contact_count);
+                                                  uint64_t tick,
+                                                  const struct palpate_host_body *bodies,
+                                                  size_t body_count,
+                                                  const struct palpate_host_contact *contacts,
+                                                  size_t contact_count);
 
 /*
- Fills parameters of a local model with the defaults. `struct_size` is sizeof(palpate_local_params).
+ Fills local-model parameters with the defaults. `struct_size` is sizeof(palpate_local_params).
 
  # Safety
  `params` is NULL, or `struct_size` bytes can be written there.
@@ -2174,7 +2185,7 @@ palpate_status palpate_low_rate_simulator_publish(struct palpate_low_rate_simula
 palpate_status palpate_local_params_init(struct palpate_local_params *params, size_t struct_size);
 
 /*
- Fills parameters of a loop with the defaults. `struct_size` is sizeof(palpate_loop_params).
+ Fills loop parameters with the defaults. `struct_size` is sizeof(palpate_loop_params).
 
  # Safety
  `params` is NULL, or `struct_size` bytes can be written there.
@@ -2182,19 +2193,19 @@ palpate_status palpate_local_params_init(struct palpate_local_params *params, si
 palpate_status palpate_loop_params_init(struct palpate_loop_params *params, size_t struct_size);
 
 /*
- Number of methods.
+ Returns the number of methods.
  */
 size_t palpate_method_count(void);
 
 /*
- Number of settings of method number `method`, counted from 0; 0 where there is no such method.
+ Returns the number of settings of the method with the 0-based index `method`; 0 if there is no such method.
  */
 size_t palpate_method_setting_count(size_t method);
 
 /*
- Puts a text about method number `method`, counted from 0, into `size` bytes at `memory`, cut to them
- and ended by a 0. `what` is a palpate_about_method. Its whole length without the 0; 0 where there
- is no such method or text.
+ Writes a text about the method with the 0-based index `method` to `memory`, truncated to `size` bytes and
+ terminated by a 0. `what` is a palpate_about_method. Returns the untruncated length without the 0, or 0 if
+ there is no such method or text.
 
  # Safety
  `memory` is NULL, or `size` bytes can be written there.
@@ -2202,8 +2213,8 @@ size_t palpate_method_setting_count(size_t method);
 size_t palpate_method_text(size_t method, uint32_t what, char *memory, size_t size);
 
 /*
- The same about setting number `setting` of method number `method`. `what` is a
- palpate_about_setting.
+ Writes a text about the setting with the 0-based index `setting` of the method with the 0-based index
+ `method`, as palpate_method_text does. `what` is a palpate_about_setting.
 
  # Safety
  `memory` is NULL, or `size` bytes can be written there.
@@ -2211,23 +2222,23 @@ size_t palpate_method_text(size_t method, uint32_t what, char *memory, size_t si
 size_t palpate_setting_text(size_t method, size_t setting, uint32_t what, char *memory, size_t size);
 
 /*
- The name of a palpate_status, such as "struct-size"; "unknown" of any other number. Nobody has to free it.
+ Returns the name of a palpate_status, such as "struct-size", or "unknown". The text is static.
  */
 const char *palpate_status_name(uint32_t status);
 
 /*
- The name of a palpate_fault, such as "gap-too-long", as the files of the program have it; "unknown" of any other number.
- Nobody has to free it.
+ Returns the name of a palpate_fault as in files of the program, such as "gap-too-long", or "unknown".
+ The text is static.
  */
 const char *palpate_fault_name(uint32_t fault);
 
 /*
- Begins the recording of a contact in a new file at `path`, to be ended by palpate_recorder_close, and puts it into
- `*recorder`; NULL on an error, and no file is left then. A file that is there is not replaced. `params` may be NULL: every
- default. Not in the library for firmware.
+ Starts the recording of a contact in a new file at `path` and stores the recorder in `*recorder`, or NULL on an
+ error, which leaves no file. An existing file is not replaced. End the recording with palpate_recorder_close.
+ `params` may be NULL: all defaults. Not in the firmware library.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_recorder_of_contact(const struct palpate_contact *contact,
                                            const char *path,
@@ -2235,12 +2246,12 @@ palpate_status palpate_recorder_of_contact(const struct palpate_contact *contact
                                            struct palpate_recorder **recorder);
 
 /*
- Begins the recording of a world of one device, as palpate_recorder_of_contact does of a contact. `palpate replay` renders
- its motion anew; files of meshes are looked for beside the recording. A world of several devices takes
- palpate_recorder_of_device.
+ Starts the recording of a world of one device, as palpate_recorder_of_contact does for a contact. `palpate
+ replay` renders the motion again; it looks for mesh files beside the recording. For a world of several devices
+ use palpate_recorder_of_device.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_recorder_of_world(const struct palpate_world *world,
                                          const char *path,
@@ -2248,12 +2259,12 @@ palpate_status palpate_recorder_of_world(const struct palpate_world *world,
                                          struct palpate_recorder **recorder);
 
 /*
- Begins the recording of one device of a world, by its place in the scene, with all contacts and bodies of the world. The
- recordings of several devices of a world are several recorders and files; a tick has the same number in each.
- The rest is as for palpate_recorder_of_contact.
+ Starts the recording of one device of a world, given by its index in the scene, with all contacts and bodies of
+ the world. For several devices use one recorder and file each; a tick has the same number in every file.
+ Otherwise as palpate_recorder_of_contact.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_recorder_of_device(const struct palpate_world *world,
                                           size_t device,
@@ -2262,7 +2273,7 @@ palpate_status palpate_recorder_of_device(const struct palpate_world *world,
                                           struct palpate_recorder **recorder);
 
 /*
- How many ticks found no room so far, since the disk was slower than the loop; 0 where `recorder` is NULL.
+ Returns the number of ticks dropped so far because the disk was slower than the loop; 0 if `recorder` is NULL.
 
  # Safety
  `recorder` is NULL or a recorder.
@@ -2270,18 +2281,17 @@ palpate_status palpate_recorder_of_device(const struct palpate_world *world,
 uint64_t palpate_recorder_lost(const struct palpate_recorder *recorder);
 
 /*
- Ends a recording: waits until everything is on its way to the disk, writes how many ticks the loop made, and frees the
- recorder, whatever it answers. PALPATE_STATUS_RECORDING where the system refused to write; what was written before can
- be read. `recorded` may be NULL. NULL for a recorder is left alone.
+ Ends a recording: waits until all data is passed to the system, writes the number of ticks of the loop, and
+ always frees the recorder. Returns PALPATE_STATUS_RECORDING if writing failed; the data written before is
+ readable. `recorded` may be NULL. A NULL recorder is ignored.
 
  # Safety
- Each pointer is NULL or to what its type says; the recorder is not used afterwards.
+ Each pointer is NULL or points to a value of its type; the recorder is not used afterwards.
  */
-palpate_status palpate_recorder_close(struct palpate_recorder *recorder,
-                                      struct palpate_recorded *recorded);
+palpate_status palpate_recorder_close(struct palpate_recorder *recorder, struct palpate_recorded *recorded);
 
 /*
- Fills parameters of a recording with the defaults. `struct_size` is sizeof(palpate_recorder_params).
+ Fills recording parameters with the defaults. `struct_size` is sizeof(palpate_recorder_params).
 
  # Safety
  `params` is NULL, or `struct_size` bytes can be written there.
@@ -2289,15 +2299,14 @@ palpate_status palpate_recorder_close(struct palpate_recorder *recorder,
 palpate_status palpate_recorder_params_init(struct palpate_recorder_params *params, size_t struct_size);
 
 /*
- Records a tick of the contact that the recorder was made of, after its palpate_contact_step: the sample that went in,
- the output that came out, and the force on the device that was really sent [N]; NaN where nobody knows. A tick of another
- contact is refused.
+ Records a tick of the recorder's contact after its palpate_contact_step: the sample, the output, and the force
+ that was actually sent to the device [N], or NaN if it is unknown. A tick of another contact is rejected.
 
- It does not allocate, lock or wait, so the thread of the loop can call it: a tick that finds no room is lost and counted.
- Call it once for each tick, refused ones too.
+ It does not allocate, lock or wait, so the loop thread can call it. If the queue is full, the tick is dropped and
+ counted. Call it once for each tick, including rejected ones.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_recorder_contact_tick(struct palpate_recorder *recorder,
                                              const struct palpate_contact *contact,
@@ -2306,12 +2315,12 @@ palpate_status palpate_recorder_contact_tick(struct palpate_recorder *recorder,
                                              double sent_force);
 
 /*
- Records a tick of the world that the recorder was made of, after its palpate_world_step: the sample that went in, the
- output that came out, and what was really sent to the device that is recorded. A tick of another world is refused, and of
- one that was changed since. The rest is as for palpate_recorder_contact_tick.
+ Records a tick of the recorder's world after its palpate_world_step: the sample, the output, and the wrench that was
+ actually sent to the recorded device. A tick of another world, or of a world that was changed since the start of the
+ recording, is rejected. Otherwise as palpate_recorder_contact_tick.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_recorder_world_tick(struct palpate_recorder *recorder,
                                            const struct palpate_world *world,
@@ -2320,26 +2329,26 @@ palpate_status palpate_recorder_world_tick(struct palpate_recorder *recorder,
                                            const struct palpate_wrench *sent);
 
 /*
- Makes an empty scene, to be freed by palpate_scene_free, and puts it into `*scene`; NULL on an error. It has no devices, no
- bodies, no laws and no joints yet.
+ Creates a scene without devices, bodies, laws and joints and stores it in `*scene`, or NULL on an error. Free it
+ with palpate_scene_free.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_scene_new(const struct palpate_scene_params *params,
                                  struct palpate_scene **scene);
 
 /*
- Makes the scene of a scene file of format 2, to be changed by calls. The rest is as for palpate_scene_new and
+ Creates a scene from a scene file of format 2, to be changed by calls. Otherwise as palpate_scene_new and
  palpate_world_open.
 
  # Safety
- Each pointer is NULL or to what its type says.
+ Each pointer is NULL or points to a value of its type.
  */
 palpate_status palpate_scene_open(const char *path, struct palpate_scene **scene);
 
 /*
- Frees a scene; worlds that were made of it stay. NULL is left alone.
+ Frees a scene. Worlds created from it stay valid. NULL is ignored.
 
  # Safety
  `scene` is NULL or a scene, and is not used afterwards.
@@ -2347,12 +2356,12 @@ palpate_status palpate_scene_open(const char *path, struct palpate_scene **scene
 void palpate_scene_free(struct palpate_scene *scene);
 
 /*
- Adds a device and the shape of its tool: a sphere, several spheres, a box, a capsule or a cylinder. Its place in the scene, which
- samples and wrenches go by, is that of the call. A name may not be "", "*" or "world", nor that of another device or body, and
- has no comma, quotation mark or control character.
+ Adds a device and the shape of its tool: a sphere, several spheres, a box, a capsule or a cylinder. The order of
+ the calls determines its index in samples and wrenches. The name must not be "", "*", "world" or the name of
+ another device or body, and must not contain a comma, quotation mark or control character.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_scene_add_device(struct palpate_scene *scene,
                                         const char *name,
@@ -2360,10 +2369,10 @@ palpate_status palpate_scene_add_device(struct palpate_scene *scene,
                                         const struct palpate_shape *shape);
 
 /*
- Adds a body. Its place is that of the call, as long as none before it is removed.
+ Adds a body. The order of the calls determines its index, unless an earlier body is removed.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_scene_add_body(struct palpate_scene *scene,
                                       const char *name,
@@ -2371,20 +2380,20 @@ palpate_status palpate_scene_add_body(struct palpate_scene *scene,
                                       const struct palpate_shape *shape);
 
 /*
- Puts what the scene says of a body into `*params`: of a body that moves and is a mesh or hull, its centre of mass.
+ Writes the parameters of a body to `*params`. For a moving mesh or hull the position is its centre of mass.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_scene_body(struct palpate_scene *scene,
                                   const char *name,
                                   struct palpate_body_params *params);
 
 /*
- Says another thing of a body. `shape` may be NULL: it keeps its own. On an error it stays as it was.
+ Replaces the parameters of a body. If `shape` is NULL, the shape is kept. On an error nothing changes.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_scene_set_body(struct palpate_scene *scene,
                                       const char *name,
@@ -2392,15 +2401,15 @@ palpate_status palpate_scene_set_body(struct palpate_scene *scene,
                                       const struct palpate_shape *shape);
 
 /*
- Takes a body out, with its joints and with the laws that name it. The bodies behind it go down by one place.
+ Removes a body with its joints and the laws that name it. The indices of later bodies decrease by one.
 
  # Safety
- Each pointer is NULL or to what its type says.
+ Each pointer is NULL or points to a value of its type.
  */
 palpate_status palpate_scene_remove_body(struct palpate_scene *scene, const char *name);
 
 /*
- Number of bodies of the scene; 0 where `scene` is NULL.
+ Returns the number of bodies of the scene; 0 if `scene` is NULL.
 
  # Safety
  `scene` is NULL or a scene.
@@ -2408,7 +2417,7 @@ palpate_status palpate_scene_remove_body(struct palpate_scene *scene, const char
 size_t palpate_scene_body_count(struct palpate_scene *scene);
 
 /*
- Number of devices of the scene; 0 where `scene` is NULL.
+ Returns the number of devices of the scene; 0 if `scene` is NULL.
 
  # Safety
  `scene` is NULL or a scene.
@@ -2416,12 +2425,12 @@ size_t palpate_scene_body_count(struct palpate_scene *scene);
 size_t palpate_scene_device_count(struct palpate_scene *scene);
 
 /*
- Lets two touch by a law, in place of the one that they had: devices and bodies by their names, or "*" for all. A law between
- two names goes before one between a name and "*", which goes before one between "*" and "*". A pair without a law does not
- touch.
+ Sets the contact law of a pair and replaces a previous one. `one` and `other` are names of devices or bodies, or
+ "*" for any. The most specific law applies: two names, then a name and "*", then "*" twice. Pairs without a law
+ do not collide.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_scene_set_law(struct palpate_scene *scene,
                                      const char *one,
@@ -2429,10 +2438,10 @@ palpate_status palpate_scene_set_law(struct palpate_scene *scene,
                                      const struct palpate_contact_law *law);
 
 /*
- Puts the law between two into `*law`: the one of just these names, or of "*".
+ Writes the law of exactly this pair of names or "*" to `*law`.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_scene_law(struct palpate_scene *scene,
                                  const char *one,
@@ -2440,19 +2449,19 @@ palpate_status palpate_scene_law(struct palpate_scene *scene,
                                  struct palpate_contact_law *law);
 
 /*
- Takes a law out: the one between just these names, or of "*".
+ Removes the law of exactly this pair of names or "*".
 
  # Safety
- Each pointer is NULL or to what its type says.
+ Each pointer is NULL or points to a value of its type.
  */
 palpate_status palpate_scene_remove_law(struct palpate_scene *scene, const char *one, const char *other);
 
 /*
- Adds a joint of a body with another one, or with the world where `against` is NULL. Its place is that of the call, as long
- as none before it is removed.
+ Adds a joint between a body and another one, or the world if `against` is NULL. The order of the calls determines
+ its index, unless an earlier joint is removed.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_scene_add_joint(struct palpate_scene *scene,
                                        const char *body,
@@ -2460,17 +2469,17 @@ palpate_status palpate_scene_add_joint(struct palpate_scene *scene,
                                        const struct palpate_joint_params *params);
 
 /*
- Says another thing of a joint between the same two. On an error it stays as it was.
+ Replaces the parameters of a joint; its bodies stay the same. On an error nothing changes.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_scene_set_joint(struct palpate_scene *scene,
                                        size_t joint,
                                        const struct palpate_joint_params *params);
 
 /*
- Takes a joint out. The joints behind it go down by one place.
+ Removes a joint. The indices of later joints decrease by one.
 
  # Safety
  `scene` is NULL or a scene.
@@ -2478,7 +2487,7 @@ palpate_status palpate_scene_set_joint(struct palpate_scene *scene,
 palpate_status palpate_scene_remove_joint(struct palpate_scene *scene, size_t joint);
 
 /*
- Number of joints of the scene; 0 where `scene` is NULL.
+ Returns the number of joints of the scene; 0 if `scene` is NULL.
 
  # Safety
  `scene` is NULL or a scene.
@@ -2486,7 +2495,7 @@ palpate_status palpate_scene_remove_joint(struct palpate_scene *scene, size_t jo
 size_t palpate_scene_joint_count(struct palpate_scene *scene);
 
 /*
- Fills parameters of a scene with the defaults. `struct_size` is sizeof(palpate_scene_params).
+ Fills scene parameters with the defaults. `struct_size` is sizeof(palpate_scene_params).
 
  # Safety
  `params` is NULL, or `struct_size` bytes can be written there.
@@ -2494,7 +2503,7 @@ size_t palpate_scene_joint_count(struct palpate_scene *scene);
 palpate_status palpate_scene_params_init(struct palpate_scene_params *params, size_t struct_size);
 
 /*
- Fills parameters of a device with the defaults. `struct_size` is sizeof(palpate_device_params).
+ Fills device parameters with the defaults. `struct_size` is sizeof(palpate_device_params).
 
  # Safety
  `params` is NULL, or `struct_size` bytes can be written there.
@@ -2502,7 +2511,7 @@ palpate_status palpate_scene_params_init(struct palpate_scene_params *params, si
 palpate_status palpate_device_params_init(struct palpate_device_params *params, size_t struct_size);
 
 /*
- Fills parameters of a body with the defaults. `struct_size` is sizeof(palpate_body_params).
+ Fills body parameters with the defaults. `struct_size` is sizeof(palpate_body_params).
 
  # Safety
  `params` is NULL, or `struct_size` bytes can be written there.
@@ -2510,7 +2519,7 @@ palpate_status palpate_device_params_init(struct palpate_device_params *params, 
 palpate_status palpate_body_params_init(struct palpate_body_params *params, size_t struct_size);
 
 /*
- Fills the law of a contact with the defaults. `struct_size` is sizeof(palpate_contact_law).
+ Fills a contact law with the defaults. `struct_size` is sizeof(palpate_contact_law).
 
  # Safety
  `law` is NULL, or `struct_size` bytes can be written there.
@@ -2518,7 +2527,7 @@ palpate_status palpate_body_params_init(struct palpate_body_params *params, size
 palpate_status palpate_contact_law_init(struct palpate_contact_law *law, size_t struct_size);
 
 /*
- Fills parameters of a joint with the defaults. `struct_size` is sizeof(palpate_joint_params).
+ Fills joint parameters with the defaults. `struct_size` is sizeof(palpate_joint_params).
 
  # Safety
  `params` is NULL, or `struct_size` bytes can be written there.
@@ -2534,22 +2543,22 @@ palpate_status palpate_joint_params_init(struct palpate_joint_params *params, si
 palpate_status palpate_shape_init(struct palpate_shape *shape, size_t struct_size);
 
 /*
- Makes the world of a scene file of format 2, to be freed by palpate_world_free, and puts it into `*world`; NULL on
- an error. Files of meshes are looked for beside the scene. `params` may be NULL: every default.
+ Creates the world of a scene file of format 2 and stores it in `*world`, or NULL on an error. Free it with
+ palpate_world_free. Mesh files are searched beside the scene. `params` may be NULL: all defaults.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_world_open(const char *path,
                                   const struct palpate_world_params *params,
                                   struct palpate_world **world);
 
 /*
- Makes a world of the text of a scene of format 2. `name` stands for the path of the scene in messages, and files of
- meshes are looked for beside it; NULL: the working folder. The rest is as for palpate_world_open.
+ Creates a world from the text of a scene of format 2. `name` is the path of the scene for messages, and mesh files
+ are searched beside it; NULL: the working directory. Otherwise as palpate_world_open.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_world_new(const char *scene,
                                  const char *name,
@@ -2557,18 +2566,19 @@ palpate_status palpate_world_new(const char *scene,
                                  struct palpate_world **world);
 
 /*
- Makes the world of a scene, to be freed by palpate_world_free, and puts it into `*world`; NULL on an error. The scene stays as
- it is, and what becomes of it does not change the world. `params` may be NULL: every default.
+ Creates the world of a scene and stores it in `*world`, or NULL on an error. Free it with palpate_world_free. The
+ scene is not modified, and later changes of the scene do not affect the world. `params` may be NULL: all
+ defaults.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_world_of_scene(struct palpate_scene *scene,
                                       const struct palpate_world_params *params,
                                       struct palpate_world **world);
 
 /*
- Frees a world. NULL is left alone.
+ Frees a world. NULL is ignored.
 
  # Safety
  `world` is NULL or a world, and is not used afterwards.
@@ -2576,45 +2586,46 @@ palpate_status palpate_world_of_scene(struct palpate_scene *scene,
 void palpate_world_free(struct palpate_world *world);
 
 /*
- Goes on with another scene from the next tick on. What is there by its name already goes on from where it is, as it moves:
- what the scene says of its place and velocity is not looked at, but its shape, mass and force, and whether it is fixed, are
- those of the scene. What has another name begins as the scene says, and what is not in the scene is gone. Laws are those of
- the scene. A joint of the same bodies, kind, point, axis and span goes on too; another one begins as the bodies stand. Devices
- have to be the same, in the same order, but for the shapes of their tools; method, period, limits, and what is told of the
- devices stay as they are. On an error all is as it was.
+ Changes to another scene from the next tick on. A body with an existing name keeps its pose and velocity and
+ takes shape, mass, force and fixedness from the scene. A body with a new name starts as in the scene, and a body
+ that is not in the scene is removed. The laws are those of the scene. A joint with the same bodies, kind, point,
+ axis and span continues; a new one starts at the current poses. The devices must be the same in the same order,
+ except for the shapes of their tools. Method, period, limits and the model values of the devices do not change.
+ On an error nothing changes.
 
- What the devices are held by passes over in 0.1 s, without a step; the energy of the change is booked as outside work. It
- takes memory, as making a world does, and so long: a tick does not. The places of bodies may be other ones afterwards, names
- that were given are gone, and recorders of the world are to be closed.
+ The wrenches are blended over 0.1 s, without a step; the energy of the change is recorded as outside work. The
+ call allocates and takes as long as creating a world; a tick does not. Afterwards, indices of bodies may differ,
+ names returned earlier are invalid, and recorders of the world must be closed.
 
  # Safety
- Each pointer is NULL or to what its type says.
+ Each pointer is NULL or points to a value of its type.
  */
 palpate_status palpate_world_change(struct palpate_world *world,
                                     struct palpate_scene *scene);
 
 /*
- Puts a body elsewhere from the next tick on, and gives it the velocities of `state`; a fixed one has none. `body` is its
- place. What the devices are held by passes over in 0.1 s, without a step; the energy of it is booked as outside work. It
- takes no memory, so the thread of the loop can call it between two ticks. On an error all is as it was.
+ Moves a body from the next tick on to the pose and velocities of `state`; a fixed body must have zero velocity.
+ `body` is its index. The wrenches are blended over 0.1 s, without a step; the energy of the move is recorded as
+ outside work. It does not allocate, so the loop thread can call it between two ticks. On an error nothing
+ changes.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_world_place(struct palpate_world *world,
                                    size_t body,
                                    const struct palpate_body_state *state);
 
 /*
- Puts the place of the body of that name into `*body`; it holds until the world is changed.
+ Writes the index of the body with this name to `*body`. It is valid until the world is changed.
 
  # Safety
- Each pointer is NULL or to what its type says.
+ Each pointer is NULL or points to a value of its type.
  */
 palpate_status palpate_world_body_named(const struct palpate_world *world, const char *name, size_t *body);
 
 /*
- Number of points at which two of the world can touch, whether they do or not; 0 where `world` is NULL.
+ Returns the number of potential contact points of the world, active or not; 0 if `world` is NULL.
 
  # Safety
  `world` is NULL or a world.
@@ -2622,38 +2633,39 @@ palpate_status palpate_world_body_named(const struct palpate_world *world, const
 size_t palpate_world_contact_count(const struct palpate_world *world);
 
 /*
- Puts what a point of contact does into `*state`. `contact` is its place, from 0; a world that is changed has other ones.
+ Writes the state of a contact point to `*state`. `contact` is its 0-based index; a change of the world changes
+ the indices.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_world_contact_state(const struct palpate_world *world,
                                            size_t contact,
                                            struct palpate_contact_state *state);
 
 /*
- Puts where the tool of a device is into `*state`. `device` is its place in the scene.
+ Writes the tool state of a device to `*state`. `device` is its index in the scene.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_world_device_state(const struct palpate_world *world,
                                           size_t device,
                                           struct palpate_device_state *state);
 
 /*
- Number of methods for worlds.
+ Returns the number of methods for worlds.
  */
 size_t palpate_world_method_count(void);
 
 /*
- Name of method number `method` for worlds, counted from 0, which `method` of palpate_world_params takes; NULL where there is
- none. Nobody has to free it.
+ Returns the name of the world method with the 0-based index `method`, as accepted by `method` of
+ palpate_world_params, or NULL if there is no such method. The text is static.
  */
 const char *palpate_world_method_name(size_t method);
 
 /*
- Fills parameters of a world with the defaults. `struct_size` is sizeof(palpate_world_params).
+ Fills world parameters with the defaults. `struct_size` is sizeof(palpate_world_params).
 
  # Safety
  `params` is NULL, or `struct_size` bytes can be written there.
@@ -2661,7 +2673,7 @@ const char *palpate_world_method_name(size_t method);
 palpate_status palpate_world_params_init(struct palpate_world_params *params, size_t struct_size);
 
 /*
- Number of devices; 0 where `world` is NULL.
+ Returns the number of devices; 0 if `world` is NULL.
 
  # Safety
  `world` is NULL or a world.
@@ -2669,7 +2681,7 @@ palpate_status palpate_world_params_init(struct palpate_world_params *params, si
 size_t palpate_world_device_count(const struct palpate_world *world);
 
 /*
- Name of a device by its place in the scene, in UTF-8; NULL where there is none. It lives as long as the world.
+ Returns the name of the device with this index in the scene, in UTF-8, or NULL. It is valid as long as the world.
 
  # Safety
  `world` is NULL or a world.
@@ -2678,8 +2690,8 @@ const char *palpate_world_device_name(const struct palpate_world *world,
                                       size_t device);
 
 /*
- 1 for a device of six axes, 2 for one that measures six axes and gives no torque, 0 for one of three axes or of another place
- than there are.
+ Returns 1 for a device of six axes, 2 for a device that measures six axes but gives no torque, and 0 for a device
+ of three axes or an invalid index.
 
  # Safety
  `world` is NULL or a world.
@@ -2688,7 +2700,7 @@ uint32_t palpate_world_device_turns(const struct palpate_world *world,
                                     size_t device);
 
 /*
- Number of bodies, fixed ones too; 0 where `world` is NULL.
+ Returns the number of bodies, including fixed ones; 0 if `world` is NULL.
 
  # Safety
  `world` is NULL or a world.
@@ -2696,16 +2708,16 @@ uint32_t palpate_world_device_turns(const struct palpate_world *world,
 size_t palpate_world_body_count(const struct palpate_world *world);
 
 /*
- Name of a body by its place in the scene, in UTF-8; NULL where there is none. It lives until the world is changed or freed.
+ Returns the name of the body with this index in the scene, in UTF-8, or NULL. It is valid until the world is
+ changed or freed.
 
  # Safety
  `world` is NULL or a world.
  */
-const char *palpate_world_body_name(const struct palpate_world *world,
-                                    size_t body);
+const char *palpate_world_body_name(const struct palpate_world *world, size_t body);
 
 /*
- Nominal time from sample to sample [s]; 0 where `world` is NULL.
+ Returns the nominal sampling period [s]; 0 if `world` is NULL.
 
  # Safety
  `world` is NULL or a world.
@@ -2713,35 +2725,35 @@ const char *palpate_world_body_name(const struct palpate_world *world,
 double palpate_world_period(const struct palpate_world *world);
 
 /*
- Puts where a body is and how it moves into `*state`. `body` is its place in the scene.
+ Writes pose and velocities of a body to `*state`. `body` is its index in the scene.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_world_body_state(const struct palpate_world *world,
                                         size_t body,
                                         struct palpate_body_state *state);
 
 /*
- Puts the sums of the books up to the last sample into `*ledger`.
+ Writes the sums of the energy ledger up to the last sample to `*ledger`.
 
  # Safety
- Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
  */
 palpate_status palpate_world_ledger_of(const struct palpate_world *world,
                                        struct palpate_world_ledger *ledger);
 
 /*
- One tick: takes a sample of all devices, and puts what each of them is to hold until the next one into `wrenches`, of
- which there are `wrench_count`, one for each device.
+ Executes one tick: takes a sample of all devices and writes the wrenches to hold until the next tick to `wrenches`.
+ `wrench_count` is the number of devices.
 
- It cannot fail: the wrenches are finite numbers for any input, and all 0 where a sample is refused or an argument is
- wrong; what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL. Where an
- argument is wrong, PALPATE_FAULT_ARGUMENT, there was no tick: the world stays as it was.
+ It cannot fail: the wrenches are finite for any input, and all 0 if the sample is rejected or an argument is
+ wrong; the return value is the reason. It does not allocate, lock, wait, or loop without bound. `output` may be
+ NULL. PALPATE_FAULT_ARGUMENT means that an argument is wrong: no tick was executed, and the world is unchanged.
 
  # Safety
- Each pointer is NULL or to what its type says, `wrenches` to `wrench_count` of them; structs have the sizes that they
- begin with.
+ Each pointer is NULL or points to a value of its type, `wrenches` to `wrench_count` of them; the first field of
+ each sized struct is its size.
  */
 palpate_fault palpate_world_step(struct palpate_world *world,
                                  const struct palpate_world_sample *sample,
@@ -2750,11 +2762,11 @@ palpate_fault palpate_world_step(struct palpate_world *world,
                                  struct palpate_world_output *output);
 
 /*
- Says what was really sent to a device for the last tick, where it is another wrench than the tick has given: something
- between has limited it. What is not finite is refused.
+ Reports the wrench that was actually sent to a device for the last tick, for example after saturation. A non-finite
+ wrench is rejected.
 
  # Safety
- Each pointer is NULL or to what its type says.
+ Each pointer is NULL or points to a value of its type.
  */
 palpate_status palpate_world_report_sent(struct palpate_world *world,
                                          size_t device,
@@ -2769,8 +2781,8 @@ extern "C" {
 #endif
 
 /*
- Given by a firmware, which is the only one that needs it: takes the force off the motors, and does not
- return. A panic of the library would call it; a tick does not panic.
+ Defined by a firmware only: sets the motor forces to zero and does not return. A panic of the library
+ calls it; a tick does not panic.
  */
 void palpate_panicked(void);
 
@@ -2778,27 +2790,27 @@ void palpate_panicked(void);
 }
 #endif
 
-/* Parameters of a loop with every default: no period yet, a force limit of 20 N. */
+/* Returns the default loop parameters: no period, force limit 20 N. */
 static inline palpate_loop_params palpate_loop_params_default(void) {
   palpate_loop_params params;
   palpate_loop_params_init(&params, sizeof params);
   return params;
 }
 
-/* Parameters of a contact with every default: a wall at 0 m, no stiffness yet. */
+/* Returns the default contact parameters: a wall at 0 m, no stiffness. */
 static inline palpate_contact_params palpate_contact_params_default(void) {
   palpate_contact_params params;
   palpate_contact_params_init(&params, sizeof params);
   return params;
 }
 
-/* A sample at `device_position` [m], one period after the one before. */
+/* Returns a sample at `device_position` [m], one period after the previous one. */
 static inline palpate_sample palpate_sample_at(double device_position) {
   palpate_sample sample = {sizeof(palpate_sample), device_position, 0.0, 0.0, 0, 0};
   return sample;
 }
 
-/* An output to be filled by palpate_contact_step. */
+/* Returns an empty output for palpate_contact_step. */
 static inline palpate_output palpate_output_empty(void) {
   palpate_output output = {
       sizeof(palpate_output), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, PALPATE_PHASE_WAITING, PALPATE_FAULT_NONE, 0, 0};
@@ -2825,96 +2837,96 @@ static inline palpate_ledger_f32 palpate_ledger_f32_empty(void) {
   return ledger;
 }
 
-/* EnergyLedger to be filled by palpate_contact_ledger. */
+/* Returns an empty energy ledger for palpate_contact_ledger. */
 static inline palpate_ledger palpate_ledger_empty(void) {
   palpate_ledger ledger = {
       sizeof(palpate_ledger), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
   return ledger;
 }
 
-/* Parameters of a world with every default: as its scene says, a force limit of 20 N where it says none. */
+/* Returns the default world parameters: values of the scene; force limit 20 N if the scene has none. */
 static inline palpate_world_params palpate_world_params_default(void) {
   palpate_world_params params;
   palpate_world_params_init(&params, sizeof params);
   return params;
 }
 
-/* A sample of `count` devices, one period after the one before. */
+/* Returns a sample of `count` devices, one period after the previous one. */
 static inline palpate_world_sample palpate_world_sample_at(const palpate_pose *poses, size_t count) {
   palpate_world_sample sample = {sizeof(palpate_world_sample), poses, count, 0.0, 0, 0};
   return sample;
 }
 
-/* An output to be filled by palpate_world_step. */
+/* Returns an empty output for palpate_world_step. */
 static inline palpate_world_output palpate_world_output_empty(void) {
   palpate_world_output output = {
       sizeof(palpate_world_output), PALPATE_FAULT_NONE, PALPATE_NO_DEVICE, 0, 0, 0, 0, 0, 0};
   return output;
 }
 
-/* What a recording is to have, with every default: no name of the device, no scene, room for 65536 ticks. */
+/* Returns the default recording parameters: no device name, no scene, a queue of 65536 ticks. */
 static inline palpate_recorder_params palpate_recorder_params_default(void) {
   palpate_recorder_params params;
   palpate_recorder_params_init(&params, sizeof params);
   return params;
 }
 
-/* What a recording had in the end, to be filled by palpate_recorder_close. */
+/* Returns an empty result for palpate_recorder_close. */
 static inline palpate_recorded palpate_recorded_empty(void) {
   palpate_recorded recorded = {sizeof(palpate_recorded), 0, 0, 0};
   return recorded;
 }
 
-/* A body to be filled by palpate_world_body_state. */
+/* Returns an empty body state for palpate_world_body_state. */
 static inline palpate_body_state palpate_body_state_empty(void) {
   palpate_body_state state = {
       sizeof(palpate_body_state), {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
   return state;
 }
 
-/* Parameters of a scene with every default: no period yet. */
+/* Returns the default scene parameters: no period. */
 static inline palpate_scene_params palpate_scene_params_default(void) {
   palpate_scene_params params;
   palpate_scene_params_init(&params, sizeof params);
   return params;
 }
 
-/* Parameters of a device with every default: three axes, no mass yet. */
+/* Returns the default device parameters: three axes, no mass. */
 static inline palpate_device_params palpate_device_params_default(void) {
   palpate_device_params params;
   palpate_device_params_init(&params, sizeof params);
   return params;
 }
 
-/* Parameters of a body with every default: fixed at the origin. */
+/* Returns the default body parameters: fixed at the origin. */
 static inline palpate_body_params palpate_body_params_default(void) {
   palpate_body_params params;
   palpate_body_params_init(&params, sizeof params);
   return params;
 }
 
-/* A shape with every default: a point. */
+/* Returns the default shape: a point. */
 static inline palpate_shape palpate_shape_default(void) {
   palpate_shape shape;
   palpate_shape_init(&shape, sizeof shape);
   return shape;
 }
 
-/* A law with every default: no stiffness yet. */
+/* Returns the default contact law: no stiffness. */
 static inline palpate_contact_law palpate_contact_law_default(void) {
   palpate_contact_law law;
   palpate_contact_law_init(&law, sizeof law);
   return law;
 }
 
-/* Parameters of a joint with every default: a hinge about z at the origin, no stiffness and no span yet. */
+/* Returns the default joint parameters: a hinge about z at the origin, no stiffness and no span. */
 static inline palpate_joint_params palpate_joint_params_default(void) {
   palpate_joint_params params;
   palpate_joint_params_init(&params, sizeof params);
   return params;
 }
 
-/* A point of contact to be filled by palpate_world_contact_state. */
+/* Returns an empty contact state for palpate_world_contact_state. */
 static inline palpate_contact_state palpate_contact_state_empty(void) {
   palpate_contact_state state = {sizeof(palpate_contact_state),
                                  PALPATE_NO_DEVICE,
@@ -2930,7 +2942,7 @@ static inline palpate_contact_state palpate_contact_state_empty(void) {
   return state;
 }
 
-/* A tool to be filled by palpate_world_device_state. */
+/* Returns an empty tool state for palpate_world_device_state. */
 static inline palpate_device_state palpate_device_state_empty(void) {
   palpate_device_state state = {sizeof(palpate_device_state),
                                 {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}},
@@ -2940,29 +2952,29 @@ static inline palpate_device_state palpate_device_state_empty(void) {
   return state;
 }
 
-/* Parameters of a local model with every default: no period and no mass of the device yet. */
+/* Returns the default local-model parameters: no period and no device mass. */
 static inline palpate_local_params palpate_local_params_default(void) {
   palpate_local_params params;
   palpate_local_params_init(&params, sizeof params);
   return params;
 }
 
-/* An output to be filled by palpate_local_world_step. */
+/* Returns an empty output for palpate_local_world_step. */
 static inline palpate_local_output palpate_local_output_empty(void) {
   palpate_local_output output = {
       sizeof(palpate_local_output), 0.0, PALPATE_FAULT_NONE, 0, 0, PALPATE_MODEL_REFUSAL_NONE, 0, 0, 0, 0};
   return output;
 }
 
-/* A progress to be filled by palpate_low_rate_simulator_progress. */
+/* Returns an empty progress for palpate_low_rate_simulator_progress. */
 static inline palpate_progress palpate_progress_empty(void) {
   palpate_progress progress = {sizeof(palpate_progress), 0, 0.0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0, 0, 0,
                                PALPATE_MODEL_REFUSAL_NONE, 0};
   return progress;
 }
 
-/* The mean wrench of the tool on a body over `time` [s], between two progresses: what the host holds over its step. None where no
-   time has passed. */
+/* Returns the mean wrench of the tool on a body over `time` [s] between two progresses, which the simulator holds over its
+   step. Returns 0 if `time` is not positive. */
 static inline palpate_wrench palpate_mean_wrench(const palpate_body_progress *then, const palpate_body_progress *now,
                                                  double time) {
   palpate_wrench wrench = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
@@ -2974,7 +2986,7 @@ static inline palpate_wrench palpate_mean_wrench(const palpate_body_progress *th
   return wrench;
 }
 
-/* A body of a slow host that is at rest at x, y, z [m], not turned, and that nothing moves. */
+/* Returns an immovable body at rest at x, y, z [m] with the identity orientation. */
 static inline palpate_host_body palpate_host_body_fixed(double x, double y, double z) {
   palpate_host_body body = {{{x, y, z}, {1.0, 0.0, 0.0, 0.0}},
                             {0.0, 0.0, 0.0},
@@ -2990,16 +3002,16 @@ static inline palpate_host_body palpate_host_body_fixed(double x, double y, doub
   return body;
 }
 
-/* No contact in this place of the array. */
+/* Returns an empty array element: no contact. */
 static inline palpate_host_contact palpate_host_contact_none(void) {
   palpate_host_contact contact = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
                                   {0.0, 0.0, 0.0}, 0.0, PALPATE_NO_BODY, PALPATE_NO_BODY};
   return contact;
 }
 
-/* A contact of the tool with a flat surface of the body at place `on`, or of PALPATE_NO_BODY: by the signed `gap` [m] between the
-   surface and the tool, a sphere of `radius` [m], when the tool's centre is at `centre` [m], which is what most engines answer to
-   a query. Below 0 they overlap. `normal` is a unit vector out of the surface. There is no damping and no friction yet. */
+/* Returns a contact of the tool with a flat surface of the body with index `on`, or PALPATE_NO_BODY, from the distance query of
+   most engines: the signed `gap` [m] between the surface and the tool, a sphere of `radius` [m], with the tool's centre at
+   `centre` [m]. A negative gap is a penetration. `normal` is the outward unit normal. Damping and friction are 0. */
 static inline palpate_host_contact palpate_host_contact_at_gap(const double centre[3], double radius, uint32_t on, double gap,
                                                                const double normal[3], double stiffness) {
   palpate_host_contact contact = palpate_host_contact_none();
@@ -3013,7 +3025,7 @@ static inline palpate_host_contact palpate_host_contact_at_gap(const double cent
   return contact;
 }
 
-/* EnergyLedger to be filled by palpate_world_ledger_of. */
+/* Returns an empty energy ledger for palpate_world_ledger_of. */
 static inline palpate_world_ledger palpate_world_ledger_empty(void) {
   palpate_world_ledger ledger = {sizeof(palpate_world_ledger), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
   return ledger;

@@ -211,7 +211,7 @@ fn a_wrong_device_file_is_told_with_its_place() {
         }
     }
     let fast = "pipe --stiffness 400 --mass 0.1 --period 0.0005 --device-file device.toml";
-    let said = ["device.toml: the delay is 0.005 s, 10 periods", "8 at most"];
+    let said = ["device.toml: the delay is 0.005 s, 10 periods", "at most 8"];
     folder.fail(fast, 3, &said);
 }
 
@@ -555,7 +555,7 @@ fn a_lateness_that_was_learned_is_said() {
     let words: Vec<&str> = last.unwrap().split_whitespace().collect();
     let at = words.iter().position(|word| *word == "begin").unwrap();
     let milliseconds: f64 = words[at + 1].parse().unwrap();
-    assert_eq!(words[at + 2..at + 6], ["ms", "later", "than", "told,"]);
+    assert_eq!(words[at + 2..at + 6], ["ms", "later", "than", "the"]);
     assert!((milliseconds - 0.5).abs() < 0.1, "{ran}");
     let info = folder.succeed("info rec.mcap");
     assert!(info.contains("learned-lateness: "), "{info}");

@@ -158,7 +158,7 @@ fn a_map_that_is_complete_is_not_made_again() {
     folder.fail(
         "map --cells 3 --method basic --resume",
         3,
-        &["map.csv is another map", "--overwrite"],
+        &["map.csv is another, complete map", "--overwrite"],
     );
     folder.write("map.csv", "mine");
     folder.fail(

@@ -107,7 +107,7 @@ fn a_trace_that_is_too_long_is_refused_as_soon_as_that_shows() {
         assert!(said.len() < 500, "{said}");
         for words in [
             "standard input: the trace continues for more than 2000000 periods (2.00 s)",
-            &format!("after its first sample at {first}; at most 2000000 fit"),
+            &format!("after its first sample at {first}; at most 2000000 are allowed"),
             "--from and --to",
             "--period",
         ] {

@@ -235,7 +235,7 @@ fn a_map_shows_four_methods_unless_others_are_named() {
     folder.fail(
         "map merge few.csv --plot none.svg --method hfcr",
         3,
-        &["--method hfcr", "the map has seh, popc"],
+        &["--method hfcr", "is not in the map, which has seh, popc"],
     );
 }
 

@@ -50,7 +50,7 @@ fn columns_come_in_the_order_they_are_asked_for() {
 #[test]
 fn every_column_has_a_name_with_its_unit_and_a_value() {
     let all = "force,force_on_object,time,device_position,object_position,object_velocity,\
-               penetration,object_shift,phase,stored_energy,port_work,virtual_force_work,\
+               penetration,placement_shift,phase,stored_energy,port_work,virtual_force_work,\
                outside_work,leak_original,leak_held,limited,fault";
     let answer = pipe(
         &format!(

@@ -16,7 +16,7 @@ fn info_says_what_is_in_a_recording() {
         "tap.mcap, recorded by palpate 0.1.0\ncomplete, nothing lost\n",
         &ticks,
         " Hz\n",
-        "\n  latest sample: 0.0600 ms\n",
+        "\n  largest lateness: 0.0600 ms\n",
         "\n  longest tick: 0.0200 ms\n",
         "\n  contact: ",
         "\n2 events\n  end: 1\n  safety: 1\n",

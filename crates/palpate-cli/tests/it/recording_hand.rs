@@ -86,7 +86,7 @@ fn the_recorded_method_gives_motion_and_force_back_on_both_sides() {
         assert_eq!(said("recording"), "tap.mcap");
         assert_eq!(said("hand_force_deviation_n"), deviation.to_string());
         let figure = folder.read("r.svg");
-        for words in ["Hand replay: tap.mcap, the hand", "known to ±", "recorded"] {
+        for words in ["Hand replay: tap.mcap, hand force", "known to ±", "recorded"] {
             assert!(figure.contains(words), "no {words:?} in the figure");
         }
         let text = folder.succeed(arguments);
@@ -260,7 +260,7 @@ fn what_shows_no_hand_is_refused() {
         &[
             "tap.mcap: no position between tick 7 at ",
             " s and tick 30 at ",
-            "across 0.4 s at most: state a longer --largest-gap",
+            "across at most 0.4 s: pass a longer --largest-gap",
             "--replay motion",
         ],
     );

@@ -70,7 +70,7 @@ fn a_period_that_would_fill_the_memory_is_refused() {
     folder.fail(
         "render tap.csv --stiffness 400 --mass 0.1 --period 1e-12",
         2,
-        &["--period is too short", "at most 2000000 fit"],
+        &["--period is too short", "at most 2000000 are allowed"],
     );
 }
 

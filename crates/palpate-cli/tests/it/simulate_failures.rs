@@ -275,7 +275,7 @@ fn a_recording_in_place_of_a_scene_is_said_to_be_one() {
     for file in ["motion.csv", "motion.MCAP"] {
         folder.write(file, "t_s,position_m\n0,0\n");
         let words = "a scene is a TOML file; .";
-        folder.fail(&format!("simulate {file}"), 2, &[words, "of a recording"]);
+        folder.fail(&format!("simulate {file}"), 2, &[words, "is a recording"]);
     }
 }
 
