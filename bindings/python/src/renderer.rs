@@ -158,7 +158,7 @@ impl Renderer {
             output.penetration,
             output.phase.name(),
             output.transition_after,
-            output.object_shift,
+            output.placement_shift,
             PyTuple::new(py, limited)?,
             output.fault.map(|fault| fault.name()),
         );

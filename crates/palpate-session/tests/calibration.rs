@@ -165,7 +165,7 @@ fn a_device_is_calibrated_where_the_hand_brings_it() {
         panic!("calibrated on the way");
     };
     let why = why.to_string();
-    assert!(why.contains("from its start"), "{why}");
+    assert!(why.contains("from where it started"), "{why}");
     let there = Settings {
         angles: Some([148.62, 31.38]),
         ..settings.clone()

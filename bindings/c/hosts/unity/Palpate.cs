@@ -168,7 +168,7 @@ namespace Palpate
         public double ObjectVelocity;
         public double Penetration;
         public double TransitionAfter;
-        public double ObjectShift;
+        public double PlacementShift;
         public Phase Phase;
         public Fault Fault;
         public uint Limited;

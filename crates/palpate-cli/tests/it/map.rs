@@ -314,7 +314,10 @@ fn an_advice_answers_in_words_first() {
     let hard = folder.succeed(&format!(
         "{device} --stiffness 3e6 --mass 0.05 --method hfcr"
     ));
-    assert!(hard.starts_with("No: no method here renders 3000000 N/m"), "{hard}");
+    assert!(
+        hard.starts_with("No: no method here renders 3000000 N/m"),
+        "{hard}"
+    );
     // A contact that bounces well and then oscillates forever gets no yes. Neither does a contact with large errors of
     // every hold.
     let light = "advise --device-mass 0.25 --stiffness 10000 --mass 0.1 --period 0.01";

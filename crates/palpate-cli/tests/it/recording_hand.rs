@@ -86,7 +86,11 @@ fn the_recorded_method_gives_motion_and_force_back_on_both_sides() {
         assert_eq!(said("recording"), "tap.mcap");
         assert_eq!(said("hand_force_deviation_n"), deviation.to_string());
         let figure = folder.read("r.svg");
-        for words in ["Hand replay: tap.mcap, hand force", "known to ±", "recorded"] {
+        for words in [
+            "Hand replay: tap.mcap, hand force",
+            "known to ±",
+            "recorded",
+        ] {
             assert!(figure.contains(words), "no {words:?} in the figure");
         }
         let text = folder.succeed(arguments);

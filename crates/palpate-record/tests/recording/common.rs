@@ -55,7 +55,7 @@ pub fn row_of_format_1(sequence: u64) -> Row {
             object_position: 0.01 + 0.001 * (31.0 * t).cos(),
             object_velocity: -of(3.0),
             penetration: of(4.0),
-            object_shift: -0.0,
+            placement_shift: -0.0,
             force_on_object: of(5.0),
             force_on_device: -of(5.0),
             stored_energy: of(6.0),

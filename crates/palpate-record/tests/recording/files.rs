@@ -108,7 +108,7 @@ fn what_cannot_be_begun_leaves_nothing() {
     let path = folder.path().join("tap.mcap");
     let named = metadata().with("checksum", "mine");
     let error = RecordingWriter::create(&path, &named).err().unwrap();
-    assert!(error.to_string().contains("called `checksum`"), "{error}");
+    assert!(error.to_string().contains("an entry `checksum`"), "{error}");
     assert!(names(folder.path()).is_empty());
     let nowhere = folder.path().join("nowhere/tap.mcap");
     let error = RecordingWriter::create(&nowhere, &metadata())

@@ -96,7 +96,7 @@ fn another_compression_is_named() {
     renamed[at..at + 3].copy_from_slice(b"lzx");
     let recording = Scratch::new().open(&renamed).unwrap();
     assert!(
-        recording.damage[0].contains("compressed with `lzx`"),
+        recording.damage[0].contains("its compression is `lzx`"),
         "{:?}",
         recording.damage
     );

@@ -478,7 +478,7 @@ fn a_distance_grid_that_cannot_be_made_is_refused() {
     for (spacing, expected) in [
         ("0.0", "the spacing is 0 m, and has to be above 0 m"),
         ("0.003", "it has to be four spacings or more"),
-        ("1e-6", "at most 8388608 are taken"),
+        ("1e-6", "at most 8388608 are allowed"),
     ] {
         let keys = format!("distance_grid = {{ spacing_m = {spacing} }}");
         let said = read(folder, &part_with(&keys)).map(|_| ()).unwrap_err();

@@ -149,11 +149,11 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     }
 
     #[inline]
-    fn object_shift(&self, memory: &AnyMemory<S>) -> S {
+    fn placement_shift(&self, memory: &AnyMemory<S>) -> S {
         match self {
             Self::Basic(_) => S::ZERO,
             $(Self::$Variant(method) => {
-                method.object_shift(&part!(memory $($own)? $($shared)?))
+                method.placement_shift(&part!(memory $($own)? $($shared)?))
             })*
         }
     }

@@ -277,7 +277,7 @@ damping_n_s_per_m = 0.1 -> damper_object = "both"
   38:17: unknown variant `both`, expected one of `spring-and-damper`, `spring`, `held-force`
   "both"
 damping_n_s_per_m = 0.1 -> longest_window_s = 0.1
-  38:20: longest_window_s is for prediction first-order-adaptive-window, but that of hfcr is last-step
+  38:20: longest_window_s requires prediction first-order-adaptive-window, but that of hfcr is last-step
   0.1
 damping_n_s_per_m = 0.1 -> prediction = "first-order-adaptive-window"\nlongest_window_s = 0
   39:20: longest_window_s is 0 s, but must be finite and greater than 0
