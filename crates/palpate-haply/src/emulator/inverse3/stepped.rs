@@ -16,7 +16,7 @@ use super::fault::{Latency, SplitMix64};
 /// Emulated Inverse3 as a device on a [`SteppedClock`]: runs are reproducible, independent of the load of the machine.
 ///
 /// The device and the latency are those of the [`Emulator`](super::Emulator). This type replaces driver and service,
-/// and exchanges messages with the driver's [`Pace`](palpate_haply::inverse3::Pace): a written force is sent at once,
+/// and exchanges messages with the driver's [`Pace`](crate::inverse3::Pace): a written force is sent at once,
 /// or as soon as the previous message is answered, and is repeated after `exchange_every`. Half of the latency passes
 /// before the service receives a message and samples the position, the other half afterwards.
 #[derive(Debug)]

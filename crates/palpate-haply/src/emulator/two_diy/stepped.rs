@@ -17,7 +17,7 @@ use super::{Settings, Usb};
 ///
 /// Board, arm, hand and bytes on the wire are those of the [`Emulator`](super::Emulator). This type replaces driver and
 /// port: each `read` sends a STATE with the held torques and advances the time to its answer, and each `write` sends a
-/// STATE without waiting, as [`TwoDiy`](palpate_haply::two_diy::TwoDiy) does.
+/// STATE without waiting, as [`TwoDiy`](crate::two_diy::TwoDiy) does.
 #[derive(Debug)]
 pub struct SteppedTwoDiy {
     clock: SteppedClock,
