@@ -26,7 +26,7 @@ test("a server that is gone is missed at once, the curves stay, and the page com
     };
   });
   await live.end("SIGKILL");
-  assert.match(await open.until("it is said", banner), /^The server is gone: .* The curves stay/);
+  assert.match(await open.until("it is said", banner), /^The server is gone: .* The curves are kept/);
   // The page did not wait for a timeout.
   assert.equal((await open.get(() => globalThis.losses))[0], "the connection was closed");
   assert.ok((await open.get(() => palpate.model.lanes[0].ring.length)) >= before);

@@ -1,8 +1,8 @@
 //! The output files of a command: checked together before its work starts, written after it.
 //!
 //! ```
-//! use crate::files::atomic::Existing;
-//! use crate::files::outputs::Outputs;
+//! use palpate_record::files::atomic::Existing;
+//! use palpate_record::files::outputs::Outputs;
 //!
 //! let folder = tempfile::tempdir()?;
 //! let (table, figure) = (folder.path().join("run.csv"), folder.path().join("run.svg"));

@@ -451,7 +451,7 @@ fn what_cannot_be_is_refused_and_nothing_changes() {
         .push(Tool::new("second", Shape::Sphere { radius: 0.0 }));
     let faults = renderer.changed(&state, &two).unwrap_err();
     assert!(
-        faults[0].to_string().contains("2 tools, and 1 before"),
+        faults[0].to_string().contains("2 tools, previously 1"),
         "{}",
         faults[0]
     );

@@ -250,7 +250,7 @@ fn a_shell_with_too_many_points_in_a_plane_is_refused() {
         .unwrap_err()
         .to_string();
     assert!(
-        refused.contains("of 600 points of the shell") && refused.contains("at most 64"),
+        refused.contains("the shell has 600 points") && refused.contains("at most 64"),
         "{refused}"
     );
 }

@@ -173,7 +173,7 @@ fn what_is_wrong_with_the_points_of_a_hull_is_named() {
     points.push([0.0, 0.0, f64::INFINITY]);
     assert!(refused(&points, 0.0).starts_with("point 4 of the hull is not"));
     points[4][2] = 1.0;
-    assert!(refused(&points, -1.0).contains("-1 m outside"));
+    assert!(refused(&points, -1.0).contains("is -1 m"));
     assert_eq!(Hull::around(&points).unwrap().faces().len(), 5);
     let round: Vec<Vector> = (0..200)
         .map(|k| {
