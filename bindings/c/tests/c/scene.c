@@ -298,7 +298,7 @@ static void misuse(void) {
   shape.points = corners, shape.point_count = 8, shape.face_count = 2;
   REFUSED(palpate_scene_add_body(scene, "new", &body, &shape), NULL, "faces is NULL");
   shape.face_count = SIZE_MAX, shape.faces = sides;
-  REFUSED(palpate_scene_add_body(scene, "new", &body, &shape), MEMORY, "no array");
+  REFUSED(palpate_scene_add_body(scene, "new", &body, &shape), MEMORY, "not an array");
   shape.kind = PALPATE_SHAPE_KIND_SPHERE, shape.radius = -1.0;
   REFUSED(palpate_scene_add_body(scene, "new", &body, &shape), PARAMETER, "radius is -1");
   shape.reserved = 1;
@@ -351,7 +351,7 @@ static void misuse(void) {
   REFUSED(palpate_world_device_state(world, 1, &tool), COUNT, "device is 1");
   device.turns = 0;
   OK(palpate_scene_add_device(scene, "second", &device, &shape));
-  REFUSED(palpate_world_change(world, scene), CHANGE, "2 tools, and 1 before");
+  REFUSED(palpate_world_change(world, scene), CHANGE, "2 tools, previously 1");
   REFUSED(palpate_world_change(world, NULL), NULL, "scene is NULL");
   REFUSED(palpate_world_change(NULL, scene), NULL, "world is NULL");
   params.period = 0.002;
@@ -426,7 +426,7 @@ static void recorded(const char *folder) {
       if (tick == 199 && part == 0) {
         OK(palpate_scene_remove_body(scene, "table"));
         OK(palpate_world_change(world, scene));
-        REFUSED(palpate_recorder_world_tick(recorder, world, &sample, &output, &wrench), RECORDING, "was changed");
+        REFUSED(palpate_recorder_world_tick(recorder, world, &sample, &output, &wrench), RECORDING, "have changed");
       }
     }
     OK(palpate_recorder_close(recorder, &sum));
