@@ -182,7 +182,7 @@ fn what_is_wrong_with_the_points_of_a_hull_is_named() {
             [r * u.cos(), r * u.sin(), z]
         })
         .collect();
-    assert!(refused(&round, 0.0).contains("more than 64 corners, and at most 64 are taken"));
+    assert!(refused(&round, 0.0).contains("more than 64 corners, and at most 64 are allowed"));
     let simplified = Hull::simplified(&round).unwrap();
     assert!(simplified.corners().len() <= Hull::SIMPLIFIED_CORNERS);
     assert!(
