@@ -70,7 +70,7 @@ struct ReadmeExamples;
 ///     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
 ///         let [.., about_z] = wrench.torque;
 ///         self.torque = about_z.clamp(-0.1, 0.1);
-///         // What it really gives: no force, and no torque about x and y.
+///         // The delivered wrench: no force, and no torque about x and y.
 ///         Ok(Wrench {
 ///             torque: [0.0, 0.0, self.torque],
 ///             ..Wrench::NONE

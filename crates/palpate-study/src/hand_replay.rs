@@ -37,7 +37,7 @@ pub struct ReplayRuns {
 /// Reason why the loop could not be closed around a recorded hand.
 #[derive(Debug)]
 pub enum HandReplayError {
-    /// The recording has no hand, or the hand model is invalid.
+    /// The recording contains no data of a hand, or the model of the hand is invalid.
     Hand(HandError),
     /// A method cannot be set up, or the loop cannot be run.
     Loop(MethodName, LoopError),
@@ -56,8 +56,8 @@ pub enum HandReplayError {
 /// `[m]`.
 ///
 /// # Errors
-/// The recording has no hand, its model is invalid, a method cannot be set up, or the motion exceeds the reach of an
-/// arm.
+/// The recording contains no data of a hand, its model is invalid, a method cannot be set up, or the motion exceeds the
+/// reach of an arm.
 pub fn close_loop(
     recorded: &HandRecording,
     (setup, model, is_assumed): (&ReplaySetup, &HandModel, bool),

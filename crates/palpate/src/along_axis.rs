@@ -32,7 +32,7 @@ use crate::parameter::{Allowed, Parameter, ParameterError};
 /// let start = renderer.start(ObjectState::at_rest(0.0))?; // the surface is at the origin
 ///
 /// let force_at = |point: [f64; 3]| {
-///     let mut state = start; // each point by itself; a loop goes on with one state
+///     let mut state = start; // a new state for each point; a loop keeps one state
 ///     let output = renderer.step(&mut state, Sample::at(floor.coordinate(point)));
 ///     floor.vector(output.force_on_device)
 /// };

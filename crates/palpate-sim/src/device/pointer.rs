@@ -3,7 +3,7 @@
 //! ```text
 //! a″ = ω² (target − a) − 2 ω a′                          where the hand aims
 //! (m + m_h) x″ = k_h (a − x) + b_h (a′ − x′) − b x′ + f   while it holds the device
-//! m x″ = − b x′ − F_c sgn(x′) + f                         while nobody does
+//! m x″ = − b x′ − F_c sgn(x′) + f                         after its release
 //! ```
 //!
 //! A mouse reports its position sixty times a second, in steps. The hand therefore follows the target through a

@@ -98,7 +98,7 @@ pub struct Report {
     /// The imperfections in words.
     #[serde(skip)]
     timing_in_words: String,
-    /// Number of samples, the one that closes the window included.
+    /// Number of samples, including the last sample of the window.
     pub samples: usize,
     /// Length of the window `[periods]`.
     pub window_periods: usize,

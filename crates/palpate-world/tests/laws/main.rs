@@ -15,6 +15,7 @@ mod cylinders;
 mod cylinders_anyhow;
 mod description;
 mod engine;
+mod engine_convex;
 mod engine_sub_steps;
 mod far_side;
 mod floor;

@@ -4,11 +4,11 @@
 //! example, 1 kHz.
 //!
 //! ```text
-//! host, slow        its bodies as they are now, their mobility, and what else accelerates them; the places where a tool may
-//!                   touch them, and where they touch each other and what is fixed: a LocalModel
-//!                         |  newest model                        ^  LocalProgress: where the avatars are, and the
+//! host, slow        current states of its bodies, their mobility and external acceleration; contacts of tools with bodies, of
+//!                   bodies with each other and with fixed geometry: a LocalModel
+//!                         |  newest model                        ^  LocalProgress: positions of the proxies, and the
 //!                         v                                      |  impulse of the tools on each body so far
-//! loop, fast        copies of the bodies go on from period to period, and meet the avatars, as `coupled` renders
+//! loop, fast        copies of the bodies are integrated each period, in contact with the proxies, as `coupled` renders
 //! ```
 //!
 //! The host steps over the elapsed time under the tools' mean wrench over that time ([`LocalProgress::wrench_since`])
