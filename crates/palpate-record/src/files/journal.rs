@@ -18,7 +18,7 @@ use crate::files::atomic::WriteError;
 use crate::files::bounded::JOURNAL;
 use crate::files::checksum::Checksum;
 pub use crate::files::lock::Holder;
-use crate::files::lock::{Locked, is_at, try_lock};
+use crate::files::lock::{Locked, UnlockOnDrop, is_at, try_lock};
 
 /// Maximum time between synchronisations to disk while lines are appended.
 const SYNC_EVERY: Duration = Duration::from_secs(2);
@@ -35,7 +35,7 @@ const LOOKS: usize = 50;
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
-    file: File,
+    file: UnlockOnDrop,
     synced: Instant,
     /// Whether the journal has a first line; without one, its subject is undefined.
     begun: bool,
@@ -106,7 +106,7 @@ impl Journal {
         let (mut file, unlocked) = lock(path)?;
         let mut bytes = Vec::new();
         JOURNAL
-            .reader(&mut file)
+            .reader(&mut file.0)
             .read_to_end(&mut bytes)
             .map_err(failed)?;
         let lines = whole_lines(&bytes).map_err(|line| JournalError::Damaged {
@@ -123,7 +123,7 @@ impl Journal {
         };
         if lines.length < bytes.len() {
             // Remove the incomplete last line.
-            journal.file.set_len(lines.length as u64).map_err(failed)?;
+            journal.file.0.set_len(lines.length as u64).map_err(failed)?;
         }
         journal.append(&format!("{HOLDER}{}", Holder::this()))?;
         let mut texts = texts.into_iter();
@@ -154,12 +154,12 @@ impl Journal {
     pub fn append(&mut self, line: &str) -> Result<(), JournalError> {
         debug_assert!(!line.contains('\n'), "one line");
         let written = format!("{line}\t{}\n", Checksum::of(line));
-        let outcome = self.file.write_all(written.as_bytes()).and_then(|()| {
+        let outcome = self.file.0.write_all(written.as_bytes()).and_then(|()| {
             if self.synced.elapsed() < SYNC_EVERY {
                 return Ok(());
             }
             self.synced = Instant::now();
-            self.file.sync_data()
+            self.file.0.sync_data()
         });
         outcome.map_err(|source| WriteError::new(&self.path, source).into())
     }
@@ -184,7 +184,7 @@ impl Drop for Journal {
 }
 
 /// Opens and locks the journal at `path`. Also returns the error of a system without locks.
-fn lock(path: &Path) -> Result<(File, Option<io::Error>), JournalError> {
+fn lock(path: &Path) -> Result<(UnlockOnDrop, Option<io::Error>), JournalError> {
     let failed = |source| JournalError::from(WriteError::new(path, source));
     for _ in 0..LOOKS {
         let mut options = OpenOptions::new();
@@ -196,9 +196,11 @@ fn lock(path: &Path) -> Result<(File, Option<io::Error>), JournalError> {
         match try_lock(&file).map_err(failed)? {
             // Its holder may have removed the file between opening and locking. Another file, or none, is then at the
             // path.
-            Locked::Held if is_at(&file, path).map_err(failed)? => return Ok((file, None)),
+            Locked::Held if is_at(&file, path).map_err(failed)? => {
+                return Ok((UnlockOnDrop(file), None));
+            }
             Locked::Held => continue,
-            Locked::Unsupported(why) => return Ok((file, Some(why))),
+            Locked::Unsupported(why) => return Ok((UnlockOnDrop(file), Some(why))),
             Locked::ByAnother => {
                 let holder = last_holder(path).map_err(failed)?;
                 if holder.as_ref().is_some_and(Holder::may_run) {
@@ -328,7 +330,7 @@ mod tests {
         let (_folder, path, _) = written();
         let mut found = Journal::open(&path).unwrap();
         // An incomplete line that the first program is writing.
-        found.journal.file.write_all(b"fou").unwrap();
+        found.journal.file.0.write_all(b"fou").unwrap();
         let before = fs::read(&path).unwrap();
         let error = Journal::open(&path).unwrap_err();
         assert_eq!(
@@ -336,8 +338,11 @@ mod tests {
             format!("`{}` is held by {}", path.display(), Holder::this())
         );
         assert_eq!(fs::read(&path).unwrap(), before);
+        // A copy of the descriptor, as a child has one until it executes its program.
+        let copy = found.journal.file.0.try_clone().unwrap();
         drop(found);
         assert_eq!(Journal::open(&path).unwrap().lines.len(), 3);
+        drop(copy);
     }
 
     #[cfg(unix)]

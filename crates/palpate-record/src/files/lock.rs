@@ -10,7 +10,7 @@ use std::io;
 #[derive(Debug)]
 #[cfg_attr(not(unix), expect(dead_code, reason = "requested on Unix only"))]
 pub(crate) enum Locked {
-    /// The lock is held until the file is closed.
+    /// The lock is held until it is released ([`UnlockOnDrop`]) or the program ends.
     Held,
     /// Another open file holds the lock.
     ByAnother,
@@ -54,6 +54,20 @@ impl Holder {
 impl fmt::Display for Holder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "process {} on {}", self.process, self.machine)
+    }
+}
+
+/// A file that is unlocked when it is dropped, also while a process that is about to start still shares it.
+///
+/// Closing the file does not release the lock then: a child has a copy of every descriptor until it executes its
+/// program.
+#[derive(Debug)]
+pub(crate) struct UnlockOnDrop(pub(crate) File);
+
+impl Drop for UnlockOnDrop {
+    fn drop(&mut self) {
+        #[cfg(unix)]
+        let _ = rustix::fs::flock(&self.0, rustix::fs::FlockOperation::Unlock);
     }
 }
 
