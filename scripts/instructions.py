@@ -19,7 +19,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-TABLE = ROOT / "crates/palpate/benches/instructions.csv"
+TABLE = ROOT / "crates/palpate-core/benches/instructions.csv"
 
 
 def build():

@@ -1,6 +1,8 @@
 //! The ticks of ticks.c, run on the core without C: METHOD COUNT.
 
-use palpate::{Basis, Contact, LoopParams, MethodName, ObjectState, Renderer, Sample, Settings};
+use palpate_core::{
+    Basis, Contact, LoopParams, MethodName, ObjectState, Renderer, Sample, Settings,
+};
 
 const POSITION_COUNT: usize = 500;
 

@@ -1,7 +1,7 @@
 //! Prints the output of tests/c/trace.c from the core without C: both must agree bit for bit. The parameters are the
 //! doubles of the C program, rounded once.
 
-use palpate::{
+use palpate_core::{
     Actuation, Basis, Contact, Fault, LoopParams, MethodName, ObjectState, Phase, Rendering,
     Running, Sample, Scalar, Settings, SettingsError,
 };

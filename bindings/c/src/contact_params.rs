@@ -3,7 +3,9 @@
 use core::ffi::c_char;
 use core::ptr;
 
-use palpate::{Basis, Contact, Mass, MethodName, ObjectState, Rendering, Scalar, Side as CoreSide};
+use palpate_core::{
+    Basis, Contact, Mass, MethodName, ObjectState, Rendering, Scalar, Side as CoreSide,
+};
 
 use crate::choice;
 use crate::edge::status;

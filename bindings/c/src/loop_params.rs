@@ -1,6 +1,6 @@
 //! Parameters of the loop and of its device in the C API.
 
-use palpate::{
+use palpate_core::{
     Actuation, Allowed, Guard, GuardParams, LoopParams as Core, Parameter, ParameterError, Scalar,
 };
 

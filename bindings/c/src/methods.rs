@@ -3,7 +3,7 @@
 use core::ffi::c_char;
 use core::fmt::{self, Display};
 
-use palpate::{
+use palpate_core::{
     Allowed, MethodName, Parameter, ParameterError, ParameterValue, Range, Setting as Core,
     SettingValues, Settings, Unit,
 };

@@ -90,7 +90,7 @@ pub extern "C" fn palpate_fault_name(fault: u32) -> *const c_char {
 
 #[cfg(test)]
 mod tests {
-    use palpate::Fault as Core;
+    use palpate_core::Fault as Core;
 
     use super::*;
 

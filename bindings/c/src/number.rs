@@ -1,6 +1,6 @@
 //! Number type of a tick: `double` or `float` in C.
 
-use palpate::Scalar;
+use palpate_core::Scalar;
 
 /// A number type of a tick, with the C names of its structs.
 pub trait Number: Scalar {

@@ -1,6 +1,6 @@
 //! Output of a tick, and the energy ledger.
 
-use palpate::{
+use palpate_core::{
     Fault as CoreFault, Ledger as CoreLedger, Limited, Output as CoreOutput, Phase as CorePhase,
 };
 

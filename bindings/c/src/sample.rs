@@ -1,6 +1,6 @@
 //! Input of a tick.
 
-use palpate::Sample as Core;
+use palpate_core::Sample as Core;
 
 use crate::choice;
 use crate::number::Number;

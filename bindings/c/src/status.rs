@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use palpate::{ChangeError, ParameterError, Setting, SettingValues, SettingsError};
+use palpate_core::{ChangeError, ParameterError, Setting, SettingValues, SettingsError};
 
 /// Result of a call. `palpate_last_error` returns the message, palpate_status_name the name.
 ///

@@ -3,10 +3,10 @@
 
 use std::time::Instant;
 
-use palpate::{Actuation, Contact, LoopParams, MethodName, ObjectState, Settings};
+use palpate_core::{Actuation, Contact, LoopParams, MethodName, ObjectState, Settings};
 use palpate_scene::{Delay, Timing};
-use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_study::report::{Report, Subject};
+use palpate_study::sim::replay::{Replay, ReplaySetup};
 
 /// Equal to those of `measure`.
 const SAMPLES: u32 = 1_000_000;

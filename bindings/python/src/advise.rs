@@ -1,6 +1,6 @@
 //! `advise`: contacts that can be rendered on a device.
 
-use palpate::MethodName;
+use palpate_core::MethodName;
 use palpate_scene::SetupError;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT, Question};
 use palpate_study::calibrate::Calibration;
@@ -111,7 +111,7 @@ fn wrong_bounce(error: BounceError) -> PyErr {
             ..
         } => match error.parameter {
             palpate_scene::SceneParameter::Rendered(parameter) => {
-                wrong_argument(&palpate::ParameterError {
+                wrong_argument(&palpate_core::ParameterError {
                     parameter,
                     value: error.value,
                     allowed: error.allowed,

@@ -1,8 +1,8 @@
 //! Ticks of runs as arrays: one record per tick.
 
 use numpy::{PyArray1, PyArrayMethods as _};
-use palpate::{Fault, Limited, Phase};
-use palpate_sim::run::{IdealPoint, Reference, Run, Tick};
+use palpate_core::{Fault, Limited, Phase};
+use palpate_study::sim::run::{IdealPoint, Reference, Run, Tick};
 use pyo3::prelude::*;
 
 /// Defines the list of the numbers of a record, by their names in files, and the function that takes them from

@@ -1,7 +1,7 @@
 //! `EngineContact`: contacts with the bodies of another physics engine, which Python steps.
 
 use numpy::{PyArray2, PyReadonlyArray2};
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_device::Wrench;
 use palpate_rt::{Answered, WorldSafety};
 use palpate_world::engine::{

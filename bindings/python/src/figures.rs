@@ -1,8 +1,8 @@
 //! Figures as SVG, in natural size.
 
-use palpate_figure::{Picture, Size, svg};
+use palpate_plot::figure::{Picture, Size, svg};
 use palpate_plot::{Devices, RunsFigure};
-use palpate_sim::run::{Reference, Run};
+use palpate_study::sim::run::{Reference, Run};
 
 /// Returns a figure as SVG.
 ///

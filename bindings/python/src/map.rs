@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use palpate::MethodName;
+use palpate_core::MethodName;
 use palpate_record::map::{Format, Map, Row, merge};
 use palpate_study::map::report::{MapReport, Speed};
 use palpate_study::map::{Forces, MapParams, compute, metadata};

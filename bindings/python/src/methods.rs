@@ -1,6 +1,8 @@
 //! Methods by name, and their settings, from the list of the core.
 
-use palpate::{MethodName, ParameterValue, Setting, SettingValues, Settings, Unit, all_settings};
+use palpate_core::{
+    MethodName, ParameterValue, Setting, SettingValues, Settings, Unit, all_settings,
+};
 use palpate_scene::method::{method_named, nearest};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;

@@ -1,8 +1,8 @@
 //! Python names of parameters, and errors that use them.
 
-use palpate::{Parameter, ParameterError, Setting, SettingKey, SettingsError};
+use palpate_core::{Parameter, ParameterError, Setting, SettingKey, SettingsError};
 use palpate_scene::{SceneParameter, SceneParameterError, SetupError};
-use palpate_sim::replay::ReplayError;
+use palpate_study::sim::replay::ReplayError;
 use palpate_testbed::InvalidParameter;
 use pyo3::PyErr;
 use pyo3::exceptions::PyValueError;

@@ -4,11 +4,11 @@ use std::cell::RefCell;
 use std::collections::HashSet;
 use std::sync::{Mutex, PoisonError};
 
-use palpate::{
+use palpate_core::{
     Contact, LoopParams, Method, MethodParams, ObjectMotion, ParameterError, Plan, Situation,
 };
-use palpate_sim::closed_loop::{Bench, LoopError};
-use palpate_sim::run::Run;
+use palpate_study::sim::closed_loop::{Bench, LoopError};
+use palpate_study::sim::run::Run;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;

@@ -1,13 +1,13 @@
 //! `render`: a motion rendered by several methods.
 
 use numpy::{PyArray1, PyReadonlyArray1};
-use palpate::{MethodName, Settings};
+use palpate_core::{MethodName, Settings};
 use palpate_plot::Devices;
 use palpate_record::trace::{Delimiter, Layout, Part, TraceError, Ways, read_part};
 use palpate_record::unit::{HandMotion, LengthUnit, Spacing, TimeUnit};
-use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
-use palpate_sim::run::Run;
 use palpate_study::report::{RecordedMotion, Replayed, Report, Subject, actuation_lines};
+use palpate_study::sim::replay::{Replay, ReplayError, ReplaySetup};
+use palpate_study::sim::run::Run;
 use pyo3::exceptions::{PyOSError, PyUserWarning};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

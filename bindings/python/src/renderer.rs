@@ -1,6 +1,6 @@
 //! `Renderer`: one contact in a loop that Python owns, sample by sample.
 
-use palpate::{
+use palpate_core::{
     AnyMemory, AnyRenderer, Leak, LoopParams, MethodName, MethodParams as _, ObjectState, Output,
     ParameterValue, Rendering, Sample, State,
 };
@@ -8,7 +8,7 @@ use palpate_device::Wrench;
 use palpate_rt::safety::{self, Safety, SafetyParams};
 use palpate_scene::SetupError;
 use palpate_scene::named_parameters::named_parameters;
-use palpate_sim::replay::ReplaySetup;
+use palpate_study::sim::replay::ReplaySetup;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple};

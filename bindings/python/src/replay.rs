@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use palpate::{Contact, Parameter};
+use palpate_core::{Contact, Parameter};
 use palpate_plot::RunsFigure;
 use palpate_record::recording::{Recording, RecordingError};
 use palpate_record::trace::Part;
@@ -10,15 +10,15 @@ use palpate_scene::method::MethodName;
 use palpate_scene::{
     Delay, GUARD_ALLOWANCE, GUARD_SPEED, Scene, SceneFile, SceneParameter, SetupError,
 };
-use palpate_session::RecordedWorld;
-use palpate_sim::closed_loop::LoopError;
-use palpate_sim::hand_replay::{HandError, HandModel, REACH};
-use palpate_sim::replay::ReplayError;
+use palpate_study::device_loop::RecordedWorld;
 use palpate_study::hand_replay::{HandReplayError, HandReplayStep};
 use palpate_study::recording::{
     NoScene, RecordingReplay, RecordingReplayError, ReplayOf, ReplayedRecording, StatedHand,
     TicksError, scene_of, shortcomings,
 };
+use palpate_study::sim::closed_loop::LoopError;
+use palpate_study::sim::hand_replay::{HandError, HandModel, REACH};
+use palpate_study::sim::replay::ReplayError;
 use palpate_study::text::digits;
 use palpate_testbed::reference::ReferenceError;
 use pyo3::exceptions::PyOSError;
@@ -371,7 +371,7 @@ impl Replaying {
             ReplayError::TooLong(periods) => refused(format!(
                 "{}: the recording has {periods} periods; at most {} fit, so take a part of it with begin and end [s]",
                 self.recording.path().display(),
-                palpate_sim::run::MAX_PERIODS,
+                palpate_study::sim::run::MAX_PERIODS,
             )),
             other => refused(format!("{}: {other}", self.recording.path().display())),
         }

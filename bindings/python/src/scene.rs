@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_scene::method::MethodName;
 use palpate_scene::{Measure, Scene, SceneError, SceneErrors, SceneFile, SceneParameter, beside};
-use palpate_sim::closed_loop::LoopError;
+use palpate_study::sim::closed_loop::LoopError;
 use palpate_testbed::reference::ReferenceError;
 use pyo3::exceptions::{PyOSError, PyTypeError};
 use pyo3::prelude::*;

@@ -1,11 +1,11 @@
 //! Converts arguments of Python to contact, loop, object and device model.
 
-use palpate::{
+use palpate_core::{
     Actuation, Allowed, BasicParams, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState,
     Parameter, ParameterError, Range, Renderer, Side,
 };
 use palpate_scene::GuardMode;
-use palpate_sim::replay::ReplaySetup;
+use palpate_study::sim::replay::ReplaySetup;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

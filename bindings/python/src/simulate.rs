@@ -1,11 +1,11 @@
 //! `simulate` and `compare`: scenes in closed loop.
 
-use palpate::MethodName;
+use palpate_core::MethodName;
 use palpate_plot::Devices;
 use palpate_scene::SetupError;
-use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_study::compare::{Comparison, SceneRows};
 use palpate_study::report::{Report, Subject, actuator_of};
+use palpate_study::sim::closed_loop::{Bench, LoopError};
 use pyo3::prelude::*;
 
 use crate::columns::of_ideal;

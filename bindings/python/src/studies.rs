@@ -1,6 +1,6 @@
 //! Studies of many runs: `tune`, `heights` and `sweep`.
 
-use palpate::MethodName;
+use palpate_core::MethodName;
 use palpate_scene::Scene;
 use palpate_study::heights::report::{HeightsReport, SceneReport};
 use palpate_study::heights::{HeightsError, over_heights};

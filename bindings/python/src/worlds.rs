@@ -3,9 +3,9 @@
 use numpy::PyArray3;
 use palpate_record::recording::Recording;
 use palpate_scene::world::WorldScene;
-use palpate_session::{RecordedWorld, RecordedWorldError};
-use palpate_sim::world::{WorldBench, WorldBenchError};
+use palpate_study::device_loop::{RecordedWorld, RecordedWorldError};
 use palpate_study::recording::WorldPathError;
+use palpate_study::sim::world::{WorldBench, WorldBenchError};
 use palpate_study::world::WorldReport;
 use palpate_world::{Vector, WorldError, WorldRenderer};
 use pyo3::exceptions::PyTypeError;

@@ -6,7 +6,7 @@ use palpate_live::rows::Rows;
 use palpate_record::recording::Row;
 use palpate_rt::safety::{OscillationParams, SafetyParams, SafetyStop};
 use palpate_rt::{ControlLoop, Listener, Message, Note, Parameters, Rendering, tap};
-use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
+use palpate_study::sim::device::{PointerDevice, PointerHand, PointerParams};
 
 /// Capacity for ticks, contacts and notes of one call of [`Lane::advance`].
 const ROOM: usize = 1 << 14;

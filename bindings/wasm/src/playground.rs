@@ -7,7 +7,7 @@ use palpate_live::{Limits, Settings, make_room};
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Delay, Scene, SceneFile};
-use palpate_sim::device::{PointerHand, PointerParams};
+use palpate_study::sim::device::{PointerHand, PointerParams};
 use serde::{Deserialize, Serialize};
 
 use crate::lane::Lane;

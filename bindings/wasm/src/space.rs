@@ -1,7 +1,7 @@
 //! A world in simulated time, by one or two methods, with hands that the page moves.
 
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_sim::world::as_evaluated;
+use palpate_study::sim::world::as_evaluated;
 use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::world::{PlantParams, WorldPlant};
 use palpate_world::{Motion, Sample, Shape, Vector, WorldRenderer, WorldState};

@@ -8,7 +8,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
 
-use palpate::{
+use palpate_core::{
     Actuation, AnyParams, AnyRenderer, Contact, CoupledParams, DamperObject, EntryHold, HfcrParams,
     LoopParams, Mass, ObjectState, PopcParams, PopcRefParams, Prediction, Sample, SehParams,
     VirtualDamperParams,

@@ -19,7 +19,7 @@ use palpate::{
 /// Tick of the first nonzero force.
 const FIRST_CONTACT: usize = 10;
 /// Forces on the object from then on `[N]`, from an independent implementation: `fig2_hfcr.csv` of
-/// `crates/palpate-sim/tests/it/vectors`.
+/// `crates/palpate-study/tests/it/vectors`.
 const HFCR: [f64; 10] = [
     1.241_618_935_297_262,
     3.300_190_570_569_963_5,

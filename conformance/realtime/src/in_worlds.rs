@@ -10,7 +10,7 @@ use palpate_rt::{
     ControlLoop, Message, RenderedWorld, WorldFrame, changing_world, local_world, tap,
 };
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_sim::device::{SpatialDevice, SpatialHand, SpatialPointer};
+use palpate_study::sim::device::{SpatialDevice, SpatialHand, SpatialPointer};
 use palpate_world::engine::BodyNow;
 use palpate_world::engine::local::{LocalContact, LocalParams, LocalRenderer};
 use palpate_world::{ContactLaw, CoupledParams, Shape, Tool, WorldLoop};

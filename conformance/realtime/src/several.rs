@@ -9,7 +9,7 @@ use palpate_device::{Device, DeviceErrorKind, ScriptedDevice, Step, Wrench};
 use palpate_rt::safety::{SafetyParams, SafetyStop};
 use palpate_rt::{ControlLoop, Message, RenderedWorld, WorldFrame, tap};
 use palpate_scene::world::WorldScene;
-use palpate_sim::device::SpatialDevice;
+use palpate_study::sim::device::SpatialDevice;
 
 use crate::hostile::Hostile;
 use crate::in_worlds::world_scene;

@@ -15,7 +15,7 @@ use palpate_rt::safety::{OscillationParams, SafetyParams, SafetyStop};
 use palpate_rt::{ControlLoop, Ending, Message, Note, StopFlag, tap};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, beside};
-use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
+use palpate_study::sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
 
 use crate::hostile::anything;
 use crate::in_worlds::{a_slow_host, faults_in_a_world, six_axes, worlds, worlds_that_change};

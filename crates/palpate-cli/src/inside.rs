@@ -1,8 +1,8 @@
 //! Detection of likely mistakes about the device's position: inside the object at the start, or in another unit.
 
-use palpate::Side;
+use palpate_core::Side;
 use palpate_record::unit::{Excess, HandMotion, LengthUnit, Spacing};
-use palpate_sim::replay::ReplaySetup;
+use palpate_study::sim::replay::ReplaySetup;
 
 use crate::arguments::TraceFlags;
 use crate::failure::Failure;

@@ -13,8 +13,11 @@ mod inside;
 mod pipe;
 mod progress;
 mod recorded;
+mod reports;
 mod results;
 mod run_file;
+#[cfg(test)]
+mod schemas;
 mod setup;
 mod values;
 mod worlds;

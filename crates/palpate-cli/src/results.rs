@@ -5,16 +5,16 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use palpate_record::files::outputs::Outputs;
-use palpate_sim::run::Run;
 use palpate_study::json;
 use palpate_study::report::Report;
+use palpate_study::sim::run::Run;
 use serde::Serialize;
 
 use crate::arguments::{PlotFlags, Results, SizeFlag, TimeFlags};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use crate::run_file;
-use palpate_figure::{Picture, Sheet, Size, SizeError};
+use palpate_plot::figure::{Picture, Sheet, Size, SizeError};
 
 /// Name of standard output.
 pub const STANDARD_OUTPUT: &str = "-";
@@ -179,19 +179,19 @@ pub fn draw(
     let size = flag.size.unwrap_or(Size::NATURAL);
     let refused = |error: SizeError| Failure::Arguments(format!("--size: {error}"));
     let bytes = match picture_format(path)? {
-        PictureFormat::Svg => palpate_figure::svg(figure, size)
+        PictureFormat::Svg => palpate_plot::figure::svg(figure, size)
             .map_err(refused)?
             .into_bytes(),
-        PictureFormat::Pdf => palpate_figure::pdf(figure, size).map_err(refused)?,
+        PictureFormat::Pdf => palpate_plot::figure::pdf(figure, size).map_err(refused)?,
         #[cfg(feature = "png")]
-        PictureFormat::Png => {
-            palpate_figure::png(figure, size, PIXELS_PER_UNIT).map_err(|error| match error {
-                palpate_figure::PngError::Size(error) => refused(error),
-                palpate_figure::PngError::Image(error) => {
+        PictureFormat::Png => palpate_plot::figure::png(figure, size, PIXELS_PER_UNIT).map_err(
+            |error| match error {
+                palpate_plot::figure::PngError::Size(error) => refused(error),
+                palpate_plot::figure::PngError::Image(error) => {
                     Failure::System(format!("{} cannot be drawn: {error}", path.display()))
                 }
-            })?
-        }
+            },
+        )?,
         #[cfg(not(feature = "png"))]
         PictureFormat::Png => unreachable!("refused above"),
     };

@@ -5,7 +5,7 @@ use std::io::Write;
 use palpate_record::recording::{Column, ContactTick, Row, Tick, Value};
 use palpate_record::run::{RunWriteError, RunWriter};
 use palpate_rt::answered;
-use palpate_sim::run::Run;
+use palpate_study::sim::run::Run;
 
 /// Columns of a run file: those of a tick, by their names, and the run's own. Leaks and works are accumulated over the
 /// intervals before the sample.

@@ -4,12 +4,12 @@ mod actuation;
 mod device_file;
 mod wrong;
 
-use palpate::{
+use palpate_core::{
     Allowed, BasicParams, Contact, LoopParams, Mass, ObjectState, Parameter, Range, Renderer,
 };
 use palpate_scene::method::{MethodName, Setting, Settings};
 use palpate_scene::{Delay, Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, SceneParameter};
-use palpate_sim::replay::ReplaySetup;
+use palpate_study::sim::replay::ReplaySetup;
 
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
 use crate::failure::Failure;
@@ -323,8 +323,8 @@ pub fn check_contact(setup: &ReplaySetup) -> Result<(), Failure> {
 /// Adds values changed by flags to a title, which may name those of the file.
 fn retitle(scene: &mut Scene, before: &Scene) {
     let mass = |scene: &Scene| match scene.contact.object_mass {
-        palpate::Mass::Finite(mass) => mass,
-        palpate::Mass::Infinite => f64::INFINITY,
+        palpate_core::Mass::Finite(mass) => mass,
+        palpate_core::Mass::Infinite => f64::INFINITY,
     };
     let values = |scene: &Scene| {
         [

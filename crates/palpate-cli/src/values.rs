@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use palpate::Side;
+use palpate_core::Side;
 use palpate_record::trace::{Delimiter, Layout};
 use palpate_record::unit::{LengthUnit, TimeUnit};
 use palpate_rt::WorldAxis;

@@ -1,7 +1,7 @@
 //! Driver interface of haptic devices: the [`Device`] trait and the [clocks](clock) of a loop.
 //!
 //! A driver depends on this crate alone. [`NullDevice`], [`ScriptedDevice`] and [`ReplayDevice`] are test devices;
-//! `palpate-sim` contains simulated ones.
+//! `palpate-study` contains simulated ones.
 
 // Functions that a loop calls neither panic nor print; only set-up code may.
 #![warn(

@@ -290,8 +290,8 @@ impl<'a> ServerMessage<'a> {
             limits,
             device,
             side: match scene.contact.side {
-                palpate::Side::Positive => 1,
-                palpate::Side::Negative => -1,
+                palpate_core::Side::Positive => 1,
+                palpate_core::Side::Negative => -1,
             },
             view_m: [low - margin, high + margin],
         }

@@ -1,6 +1,6 @@
 //! Settings of a session that a page can change.
 
-use palpate::{LARGEST_DELAY, Mass, MethodParams as _, Parameter, ParameterValue, Side};
+use palpate_core::{LARGEST_DELAY, Mass, MethodParams as _, Parameter, ParameterValue, Side};
 use palpate_rt::Rendering;
 use palpate_scene::method::{MethodName, SettingKey};
 use palpate_scene::named_parameters::named_parameters;

@@ -1,6 +1,6 @@
 //! Figure of an advice: the highest renderable contact stiffness over the object's mass, and the requested contact.
 
-use palpate_figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
+use crate::figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
 use palpate_scene::method::MethodName;
 use palpate_study::map::{Limit, MethodReach, Reach};
 

@@ -1,6 +1,6 @@
 //! Figure of a calibration: measured and fitted motion, residual, and results.
 
-use palpate_figure::{Figure, Kind, Panel, Role, Row, Series};
+use crate::figure::{Figure, Kind, Panel, Role, Row, Series};
 use palpate_study::calibrate::{Calibration, Quantity};
 use palpate_study::card::MotionCard;
 

@@ -1,6 +1,6 @@
 //! Force errors of many scenes and methods as dot plots.
 
-use palpate_figure::{Dot, DotFigure, DotPanel};
+use crate::figure::{Dot, DotFigure, DotPanel};
 use palpate_study::compare::{Comparison, MethodRow, Outcome, SceneRows};
 use palpate_study::world::compare::{WorldComparison, WorldOutcome, WorldRow, WorldRows};
 

@@ -1,8 +1,8 @@
 //! The paper's Figs. 4 and 5: one row per method.
 
-use palpate_figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
+use crate::figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
 use palpate_scene::Scene;
-use palpate_sim::run::{Reference, Run, Tick};
+use palpate_study::sim::run::{Reference, Run, Tick};
 use palpate_study::text::percent;
 
 use crate::series::{

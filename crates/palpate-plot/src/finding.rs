@@ -1,6 +1,6 @@
 //! One-sentence results of runs for the titles of figures, computed from the runs.
 
-use palpate_sim::run::Run;
+use palpate_study::sim::run::Run;
 use palpate_study::text::{digits, percent};
 
 /// Maximum number of names in a sentence; above it the sentence gives their number.

@@ -5,6 +5,7 @@ mod calibration;
 pub mod card;
 mod compared;
 mod experiment;
+pub mod figure;
 mod finding;
 pub mod map;
 mod multiples;
@@ -28,9 +29,9 @@ pub use suite::suite;
 pub use tune::tune;
 pub use tune_world::tune_world;
 
-use palpate_figure::Role;
+use crate::figure::Role;
 use palpate_scene::method::MethodName;
-use palpate_sim::run::RunMethod;
+use palpate_study::sim::run::RunMethod;
 
 /// Default methods of a figure of many methods: the plain spring, the usual remedy, the paper's method, and palpate's
 /// default.

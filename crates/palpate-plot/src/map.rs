@@ -5,7 +5,7 @@ use palpate_scene::method::MethodName;
 use palpate_study::map::{Plant, RESTS_BELOW, STABLE_UP_TO, bounds};
 
 use crate::SHOWN;
-use palpate_figure::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
+use crate::figure::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
 use palpate_study::map::metadata::{self, NoNumber};
 use palpate_study::map::report::{FAITHFUL_PERCENT, is_faithful, is_stable, stay};
 

@@ -1,7 +1,7 @@
 //! Figures of many runs: one panel per run, with the ideal behind, all on the same axes.
 
-use palpate_figure::{Grid, Limits, Panel, Role, Row, Series};
-use palpate_sim::run::Run;
+use crate::figure::{Grid, Limits, Panel, Role, Row, Series};
+use palpate_study::sim::run::Run;
 use palpate_study::text::{digits, percent};
 
 use crate::finding;

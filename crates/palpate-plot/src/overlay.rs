@@ -1,6 +1,6 @@
 //! Figures of a few superimposed runs: positions, force, and generated energy of the held force.
 
-use palpate_figure::{Grid, Limits, Panel, Role, Row, Series};
+use crate::figure::{Grid, Limits, Panel, Role, Row, Series};
 
 use crate::role;
 use crate::runs::{Devices, RunsFigure};

@@ -1,8 +1,8 @@
 //! Figure of runs, with recorded curves beside them.
 
-use palpate_figure::{Kind, Role, Series};
-use palpate_sim::run::{Reference, Run};
+use crate::figure::{Kind, Role, Series};
 use palpate_study::report::Replayed;
+use palpate_study::sim::run::{Reference, Run};
 
 use crate::series::{JOULE_TO_MILLIJOULE, METRE_TO_MILLIMETRE, ideal_device, ideal_object};
 use palpate_study::recording::RecordedCurves;

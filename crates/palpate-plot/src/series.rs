@@ -1,7 +1,7 @@
 //! Curves of runs and of their ideal.
 
-use palpate_figure::{Kind, Role, Series};
-use palpate_sim::run::{IdealPoint, Reference, Run};
+use crate::figure::{Kind, Role, Series};
+use palpate_study::sim::run::{IdealPoint, Reference, Run};
 
 pub(crate) const METRE_TO_MILLIMETRE: f64 = 1e3;
 pub(crate) const JOULE_TO_MILLIJOULE: f64 = 1e3;

@@ -1,7 +1,7 @@
 //! Figure of the runs of one scene or recording: a few share a panel, many have a panel each.
 
-use palpate_figure::Sheet;
-use palpate_sim::run::Run;
+use crate::figure::Sheet;
+use palpate_study::sim::run::Run;
 
 use crate::runs::{Devices, RunsFigure};
 use crate::{finding, multiples, overlay};

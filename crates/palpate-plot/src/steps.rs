@@ -1,7 +1,7 @@
 //! The paper's Fig. 2: the method step by step.
 
-use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
-use palpate_sim::run::{Reference, Run, Tick};
+use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
+use palpate_study::sim::run::{Reference, Run, Tick};
 use palpate_study::text::percent;
 
 use crate::finding;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
+use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use palpate_study::suite::{Column, Score, Set};
 
 /// Returns the role of a column: the role of its method if all columns are methods with their defaults.

@@ -1,6 +1,6 @@
 //! Curves of a tuned setting.
 
-use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
+use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use palpate_study::text::{digits, percent};
 use palpate_study::tune::report::{PointReport, SpreadReport, TuneReport};
 

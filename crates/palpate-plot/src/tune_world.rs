@@ -1,6 +1,6 @@
 //! Curves of a method tuned on a world.
 
-use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
+use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use palpate_study::text::{digits, percent};
 use palpate_study::world::SettingReport;
 use palpate_study::world::tune::{WorldPointReport, WorldTuneReport};

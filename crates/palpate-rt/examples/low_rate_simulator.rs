@@ -20,7 +20,7 @@ use palpate_device::clock::MonotonicClock;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, LowRateSimulator, WorldFrame, local_world};
 use palpate_scene::world::WorldFile;
-use palpate_sim::device::SpatialDevice;
+use palpate_study::sim::device::SpatialDevice;
 use palpate_world::engine::local::{LocalContact, LocalParams, LocalProgress, LocalRenderer};
 use palpate_world::engine::{BodyNow, BodyWrench};
 use palpate_world::{ContactLaw, CoupledParams, Shape, Tool, Vector, WorldError, WorldLoop};

@@ -3,7 +3,7 @@
 //! The caller-owned loop reads positions and sends wrenches itself. [`ControlLoop`](crate::ControlLoop) reads devices
 //! and commands motors instead.
 
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_device::Wrench;
 use palpate_world::{
     BodyState, Effort, Limited, Sample, Vector, World, WorldError, WorldFault, WorldRenderer,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use palpate::AlongAxis;
+use palpate_core::AlongAxis;
 use palpate_record::recording::{ContactTick, DeviceTick, Flags, Row, Tick};
 
 use crate::deadlines::Deadlines;

@@ -1,6 +1,6 @@
 //! Leak of held forces, separated from the energy change while the motors were off.
 
-use palpate::Leak;
+use palpate_core::Leak;
 
 /// Leak separated by the state of the motors. The renderer's ledger contains a leak for every interval. While a
 /// safety stop keeps the motors off, the object continues to move without a force on the device. The energy change of

@@ -1,6 +1,6 @@
 //! Forces after a change of the world: the difference to the previous force fades, without a step.
 
-use palpate::CHANGE_DURATION;
+use palpate_core::CHANGE_DURATION;
 use palpate_device::Wrench;
 
 /// Number of samples after a change during which devices hold the forces of the previous world. The first of them may

@@ -14,7 +14,7 @@
 //!
 //! ```
 //! use palpate_device::clock::SteppedClock;
-//! use palpate_sim::device::SimulatedDevice;
+//! use palpate_study::sim::device::SimulatedDevice;
 //! use palpate_rt::safety::SafetyParams;
 //! use palpate_rt::ControlLoop;
 //! use palpate_scene::method::MethodName;

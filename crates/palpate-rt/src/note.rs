@@ -1,6 +1,6 @@
 //! Events of a loop, without allocation in the loop.
 
-use palpate::Fault;
+use palpate_core::Fault;
 use palpate_record::recording::Event;
 
 use crate::rendering::Rendering;

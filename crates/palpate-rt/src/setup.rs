@@ -1,6 +1,6 @@
 //! Errors of setting up a loop.
 
-use palpate::ParameterError;
+use palpate_core::ParameterError;
 use palpate_device::Device;
 
 use crate::rendering::{RenderedWorld, Turns};

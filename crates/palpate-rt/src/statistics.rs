@@ -61,7 +61,7 @@ pub struct LoopStatistics {
     pub missed_deadlines: u64,
     /// Ticks without a fresh sample.
     pub without_sample: u64,
-    /// Ticks whose sample the renderer rejected with a [fault](palpate::Fault), which gives zero force.
+    /// Ticks whose sample the renderer rejected with a [fault](palpate_core::Fault), which gives zero force.
     pub refused: u64,
     /// Number of consecutive ones at the end of the last tick.
     pub refused_at_end: u64,

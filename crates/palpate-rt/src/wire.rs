@@ -1,6 +1,6 @@
 //! Conversion of core types to recording types. The two crates do not depend on each other.
 
-use palpate::{Ledger, Output};
+use palpate_core::{Ledger, Output};
 use palpate_device::Pose;
 use palpate_record::recording::{ContactTick, Flags, Phase, Tick};
 
@@ -52,13 +52,13 @@ pub(crate) fn posed(pose: &Pose, axes: usize) -> Tick {
     tick
 }
 
-fn phase(phase: palpate::Phase) -> Phase {
+fn phase(phase: palpate_core::Phase) -> Phase {
     match phase {
-        palpate::Phase::Free => Phase::Free,
-        palpate::Phase::Contact => Phase::Contact,
-        palpate::Phase::Enters => Phase::Enters,
-        palpate::Phase::Leaves => Phase::Leaves,
-        palpate::Phase::Waiting => Phase::Waiting,
+        palpate_core::Phase::Free => Phase::Free,
+        palpate_core::Phase::Contact => Phase::Contact,
+        palpate_core::Phase::Enters => Phase::Enters,
+        palpate_core::Phase::Leaves => Phase::Leaves,
+        palpate_core::Phase::Waiting => Phase::Waiting,
     }
 }
 
@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn every_quantity_of_the_core_has_its_own_place() {
-        let leak = |accumulated| palpate::Leak {
+        let leak = |accumulated| palpate_core::Leak {
             last: -1.0,
             accumulated,
             absolute: -1.0,
@@ -79,12 +79,12 @@ mod tests {
             object_position: 3.0,
             object_velocity: 4.0,
             penetration: 5.0,
-            phase: palpate::Phase::Enters,
+            phase: palpate_core::Phase::Enters,
             transition_after: -1.0,
             placement_shift: 6.0,
-            limited: palpate::Limited {
+            limited: palpate_core::Limited {
                 slew: true,
-                ..palpate::Limited::default()
+                ..palpate_core::Limited::default()
             },
             fault: None,
         };
@@ -134,11 +134,11 @@ mod tests {
     #[test]
     fn a_phase_keeps_its_name() {
         for of_core in [
-            palpate::Phase::Free,
-            palpate::Phase::Contact,
-            palpate::Phase::Enters,
-            palpate::Phase::Leaves,
-            palpate::Phase::Waiting,
+            palpate_core::Phase::Free,
+            palpate_core::Phase::Contact,
+            palpate_core::Phase::Enters,
+            palpate_core::Phase::Leaves,
+            palpate_core::Phase::Waiting,
         ] {
             assert_eq!(phase(of_core).name(), of_core.name());
         }

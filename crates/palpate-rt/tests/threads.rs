@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use palpate::{AnyParams, Contact, LoopParams, ObjectState};
+use palpate_core::{AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::clock::{Clock, MonotonicClock};
 use palpate_device::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter};
 use palpate_record::recording::{ContactTick, Entry, Recording, RecordingMetadata, Tick};

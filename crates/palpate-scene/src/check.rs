@@ -1,6 +1,6 @@
 //! Range checks of scene parameters.
 
-use palpate::{Allowed, LARGEST_DELAY, Mass, Parameter, ParameterError, Range, Side};
+use palpate_core::{Allowed, LARGEST_DELAY, Mass, Parameter, ParameterError, Range, Side};
 use palpate_testbed::drivetrain::Transmission;
 use palpate_testbed::hold::DelayedHold;
 

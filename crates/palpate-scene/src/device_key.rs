@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use palpate::Parameter;
+use palpate_core::Parameter;
 use serde::Deserialize;
 use toml::Spanned;
 

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::io;
 use std::ops::Range;
 
-use palpate::{
+use palpate_core::{
     Allowed, Contact, Guard, LoopParams, MethodParams as _, ObjectState, Parameter, Side,
 };
 use serde::Deserialize;

@@ -1,6 +1,6 @@
 //! Modes of a guard, and its defaults.
 
-use palpate::{Guard, GuardParams};
+use palpate_core::{Guard, GuardParams};
 use serde::Deserialize;
 
 /// Action of a guard on a force beyond its bound.

@@ -47,7 +47,7 @@ pub use write::Unwritable;
 
 use std::collections::HashMap;
 
-use palpate::{
+use palpate_core::{
     AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, ParameterError, Renderer,
     Rendering,
 };

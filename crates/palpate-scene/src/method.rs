@@ -3,10 +3,10 @@
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, MapAccess, Unexpected, Visitor};
 
-pub use palpate::{
+pub use palpate_core::{
     Basis, MethodName, PredictionName, Setting, SettingKey, SettingValues, Settings, SettingsError,
 };
-use palpate::{ParameterValue, Unit, all_settings};
+use palpate_core::{ParameterValue, Unit, all_settings};
 
 /// A name that no method has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! Renderer's model of the loop's actuator.
 
-use palpate::{Actuation, LARGEST_DELAY, Parameter, Range, Transmission};
+use palpate_core::{Actuation, LARGEST_DELAY, Parameter, Range, Transmission};
 use serde::Deserialize;
 use toml::Spanned;
 

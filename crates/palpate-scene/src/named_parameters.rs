@@ -1,6 +1,6 @@
 //! Parameters of a method under the names that scene files use.
 
-use palpate::{AnyParams, MethodParams as _, ParameterValue};
+use palpate_core::{AnyParams, MethodParams as _, ParameterValue};
 
 /// Parameters by name, with the unit in the name; empty for a method without any.
 #[must_use]

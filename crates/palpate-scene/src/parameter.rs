@@ -1,6 +1,6 @@
 //! Parameters of a scene, each with its key.
 
-use palpate::{Parameter, ParameterName};
+use palpate_core::{Parameter, ParameterName};
 
 /// A number of a scene, to be matched by value: those of the core, and those of device, hand, loop and
 /// window.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use palpate::{Allowed, Parameter, ParameterError};
+use palpate_core::{Allowed, Parameter, ParameterError};
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::schedule::{ActuationDelay, Schedule, ScheduleParameter, ScheduleParams};

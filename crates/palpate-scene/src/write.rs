@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use palpate::{Contact, Guard, LoopParams, Mass, ParameterValue, Side};
+use palpate_core::{Contact, Guard, LoopParams, Mass, ParameterValue, Side};
 use palpate_testbed::pantograph::SafetyBox;
 
 use super::{

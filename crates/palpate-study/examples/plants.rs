@@ -10,7 +10,7 @@
     reason = "prints a table of counts and quantiles"
 )]
 
-#[path = "../tests/plant/mod.rs"]
+#[path = "../tests/it/plant/mod.rs"]
 mod plant;
 
 use std::time::Instant;

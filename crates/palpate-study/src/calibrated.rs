@@ -5,11 +5,11 @@ use std::time::Duration;
 use crate::calibrate::{
     Calibration, Declined, ExcitationError, ExcitationParams, Phase, Quantity, Stop, measure,
 };
-use palpate::Transmission;
+use crate::sim::device::SimulatedDevice;
+use palpate_core::Transmission;
 use palpate_device::clock::SteppedClock;
 use palpate_device::{Device, DeviceError, Wrench};
 use palpate_scene::{Model, Scene};
-use palpate_sim::device::SimulatedDevice;
 use palpate_testbed::InvalidParameter;
 
 use crate::calibration::ExcitedMotion;

@@ -6,13 +6,13 @@ pub mod report;
 
 use std::fmt;
 
+use crate::sim::closed_loop::{Bench, LoopError};
+use crate::sim::run::Run;
 use crate::suite::Column;
 use crate::sweep::{ALMOST_STABLE_UP_TO, Quantity, SweepError, sweep};
-use palpate::SehEstimate;
+use palpate_core::SehEstimate;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{Measure, Scene};
-use palpate_sim::closed_loop::{Bench, LoopError};
-use palpate_sim::run::Run;
 
 /// The scenes on which the claims are checked.
 #[derive(Clone, Copy, Debug)]

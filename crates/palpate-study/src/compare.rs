@@ -2,9 +2,9 @@
 
 use std::fmt;
 
+use crate::sim::run::{Reference, Run};
 use comfy_table::{Cell, CellAlignment};
 use palpate_scene::method::MethodName;
-use palpate_sim::run::{Reference, Run};
 use serde::Serialize;
 use serde_json::Value;
 

@@ -3,14 +3,14 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use palpate_scene::method::{MethodName, Settings};
-use palpate_sim::closed_loop::{Bench, LoopError};
-use palpate_sim::hand_replay::{
+use crate::sim::closed_loop::{Bench, LoopError};
+use crate::sim::hand_replay::{
     self, HandError, HandModel, REACH, RecordedHand, Recording, largest_departure,
     largest_ideal_departure,
 };
-use palpate_sim::replay::ReplaySetup;
-use palpate_sim::run::{Reference, Run};
+use crate::sim::replay::ReplaySetup;
+use crate::sim::run::{Reference, Run};
+use palpate_scene::method::{MethodName, Settings};
 
 use crate::report::Replayed;
 

@@ -6,10 +6,10 @@ use rayon::prelude::*;
 
 use palpate_testbed::metrics::Fidelity;
 
+use crate::sim::closed_loop::{Bench, LoopError};
 use crate::suite::Column;
 use crate::tune::{HEIGHTS, Spread, at_height, spread};
 use palpate_scene::Scene;
-use palpate_sim::closed_loop::{Bench, LoopError};
 
 /// Results of a column on a scene over the start heights.
 #[derive(Clone, Copy, Debug, PartialEq)]

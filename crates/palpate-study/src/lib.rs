@@ -1,6 +1,7 @@
-//! Studies: results of methods over many runs of the sampled loop, and reports of runs and recordings.
+//! The sampled loop in simulation, studies of methods over many runs of it, and reports of runs and recordings.
 //!
-//! Each study takes scenes ([`palpate_scene`]) and methods, runs them on the bench of [`palpate_sim`], and returns
+//! [`sim`] runs a scene in closed loop, on recorded motion or in a recorded hand; [`device_loop`] runs a loop on a
+//! device. Each study takes scenes ([`palpate_scene`]) and methods, runs them on the bench of [`sim`], and returns
 //! the numbers. [`tune`] varies a method's damping, [`heights`] the start height, and [`sweep`] one quantity of a
 //! scene. [`suite`] evaluates methods on random plants. [`map`] computes which contacts can be rendered, and
 //! [`advise`] whether one device can render one contact. [`claims`] checks the numbers of the paper. [`calibrate`]
@@ -19,6 +20,7 @@ pub mod calibration;
 pub mod card;
 pub mod claims;
 pub mod compare;
+pub mod device_loop;
 pub mod hand_replay;
 pub mod heights;
 mod json;
@@ -27,6 +29,7 @@ pub mod recording;
 pub mod report;
 #[cfg(test)]
 mod schemas;
+pub mod sim;
 pub mod suite;
 pub mod sweep;
 pub mod table;

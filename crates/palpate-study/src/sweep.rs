@@ -6,12 +6,12 @@ use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::pantograph::SafetyBox;
 use rayon::prelude::*;
 
+use crate::sim::closed_loop::{Bench, LoopError};
+use crate::sim::run::Run;
 use crate::suite::Column;
 use crate::tune::{HEIGHTS, Spread, at_height, spread, tunable};
 use palpate_scene::method::{SettingKey, Settings};
 use palpate_scene::{Scene, SceneDevice};
-use palpate_sim::closed_loop::{Bench, LoopError};
-use palpate_sim::run::Run;
 
 /// The varied quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

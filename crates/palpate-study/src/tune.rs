@@ -3,12 +3,12 @@
 //! The best value at one start height may be poor at the next, so every value is evaluated over start heights around
 //! the scene's own.
 
-use palpate::Unit;
+use palpate_core::Unit;
 use palpate_scene::Scene;
 use palpate_scene::method::{MethodName, Setting, SettingKey, Settings};
 pub mod report;
 
-use palpate_sim::closed_loop::{Bench, LoopError};
+use crate::sim::closed_loop::{Bench, LoopError};
 
 /// Number of start heights in the evaluation of a value.
 pub const HEIGHTS: usize = 21;

@@ -1,6 +1,6 @@
 //! Forces or torques in the actuation delay of the devices.
 
-use palpate::{
+use palpate_core::{
     Actuation, Actuator, Ahead, Command, Governed, Held, LARGEST_DELAY, Piece, UnderWay,
 };
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use palpate::Range;
+use palpate_core::Range;
 
 use crate::world_field::WorldField;
 

@@ -17,7 +17,7 @@
 //! A force may act later than the loop's actuation model. With `late` samples, the work at the ports is computed for
 //! each whole number of samples of additional delay up to `late`, and the largest value is used.
 
-use palpate::Range;
+use palpate_core::Range;
 
 use crate::commands::Commands;
 use crate::fault::out_of_range;

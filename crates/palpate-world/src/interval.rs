@@ -50,7 +50,7 @@ pub struct Effort {
     /// [`SubSteps::refined`] was used up.
     pub unrefined: u32,
     /// Whether the fastest contact or joint required more than [`SubSteps::most`]. With
-    /// [`Fault::Overflow`](palpate::Fault::Overflow) it is the reason for rejecting the sample.
+    /// [`Fault::Overflow`](palpate_core::Fault::Overflow) it is the reason for rejecting the sample.
     pub too_fast: bool,
     /// Whether the integration would be unstable even with four times [`SubSteps::most`]. The sample is then
     /// rejected.

@@ -12,7 +12,7 @@
 //! closed form. A series in h with six terms equals it to rounding if lambda h and kappa h^2 are small.
 
 use nalgebra::{SMatrix, SVector};
-use palpate::{SensorInterval, SensorNoise};
+use palpate_core::{SensorInterval, SensorNoise};
 
 /// Number of estimated states: x, u, a, theta, lambda, kappa.
 const STATES: usize = 6;
@@ -285,7 +285,7 @@ impl AxisPrior {
     }
 
     /// Returns the prior for a position-dependent mass. One mobility per axis is an approximation, and the remainder
-    /// must be attributed to jerk. With less jerk, E of the arm in `palpate-sim --test it linkages::` is 24 % at 4 ms
+    /// must be attributed to jerk. With less jerk, E of the arm in `palpate-study --test it linkages::` is 24 % at 4 ms
     /// instead of 9 %.
     pub fn of_a_linkage(self) -> Self {
         Self {

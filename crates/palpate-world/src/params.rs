@@ -1,6 +1,6 @@
 //! Loop parameters of a world.
 
-use palpate::{Actuation, Range};
+use palpate_core::{Actuation, Range};
 
 use crate::fault::out_of_range;
 use crate::{SubSteps, WorldError, WorldField, WorldGuard, WorldPart};
@@ -149,9 +149,9 @@ impl WorldLoop {
         let mut fault = |field, message: String| {
             faults.push(WorldError::new(WorldPart::Loop, field, "the loop", message));
         };
-        let timed = palpate::LoopParams {
+        let timed = palpate_core::LoopParams {
             actuation: self.actuation,
-            ..palpate::LoopParams::new(self.period)
+            ..palpate_core::LoopParams::new(self.period)
         };
         if self.period > 0.0 {
             for error in timed.faults() {

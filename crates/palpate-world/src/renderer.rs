@@ -1,7 +1,7 @@
 //! One tick of a world, common to all methods.
 
 use nalgebra::UnitQuaternion;
-use palpate::Fault;
+use palpate_core::Fault;
 
 use crate::axes::Axes;
 use crate::commands::Commands;

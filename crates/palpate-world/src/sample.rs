@@ -1,6 +1,6 @@
 //! Input and output of a tick.
 
-use palpate::Fault;
+use palpate_core::Fault;
 
 use crate::{Effort, Quaternion, Vector};
 

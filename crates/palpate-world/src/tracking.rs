@@ -1,6 +1,6 @@
 //! Validation of samples.
 
-use palpate::Fault;
+use palpate_core::Fault;
 
 use crate::rigid::{Rotation, Vector3};
 use crate::{Quaternion, Sample, Vector, WorldFault, WorldLoop};

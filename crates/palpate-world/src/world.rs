@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use palpate::Range;
+use palpate_core::Range;
 
 use crate::fault::out_of_range;
 use crate::rigid::{Matrix3, Vector3};

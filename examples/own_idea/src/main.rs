@@ -8,11 +8,11 @@ mod method;
 
 use std::error::Error;
 
-use palpate_figure::{Figure, Kind, Panel, Role, Row, Series, Size, svg};
+use palpate_plot::figure::{Figure, Kind, Panel, Role, Row, Series, Size, svg};
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
-use palpate_sim::closed_loop::Bench;
-use palpate_sim::run::{Reference, Run};
+use palpate_study::sim::closed_loop::Bench;
+use palpate_study::sim::run::{Reference, Run};
 
 use device::Joystick;
 use method::LookAheadParams;

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use palpate_figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet, Size, svg};
+use palpate_plot::figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet, Size, svg};
 
 use crate::qemu::M4F;
 use crate::ran::{Entry, Phases, Ran, Scene, ran};

@@ -9,7 +9,7 @@ pub use floats::*;
 use core::ffi::{c_char, c_void};
 use core::ptr;
 
-use palpate::{ObjectState, Running, Sample as CoreSample};
+use palpate_core::{ObjectState, Running, Sample as CoreSample};
 
 use crate::contact_params::{ContactParams, rendering};
 use crate::edge::{caught, status};

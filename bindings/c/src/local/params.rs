@@ -1,6 +1,6 @@
 //! Parameters of a local model.
 
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_rt::safety::SafetyParams;
 use palpate_world::engine::local::{LocalParams as Room, LocalRenderer};
 use palpate_world::{CoupledParams, Shape, Tool, WorldLoop};

@@ -1,6 +1,6 @@
 //! Conversion of ticks for recordings.
 
-use palpate::{Limited, Output as CoreOutput, Phase as CorePhase};
+use palpate_core::{Limited, Output as CoreOutput, Phase as CorePhase};
 use palpate_device::Wrench as Held;
 use palpate_record::recording::{ContactTick, Flags, Tick};
 use palpate_rt::answered;

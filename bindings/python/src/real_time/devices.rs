@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-use palpate::AlongAxis;
+use palpate_core::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device};
 use palpate_haply::inverse3::{Inverse3, Inverse3Options, Pace, SERVICE};
 use palpate_haply::prepared::{Axis, FIRST_AXIS};
-use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
+use palpate_study::sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

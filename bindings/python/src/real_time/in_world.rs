@@ -8,8 +8,8 @@ use palpate_haply::inverse3::Inverse3;
 use palpate_haply::prepared::{WorldPlaceError, world_frame};
 use palpate_rt::{OnDevice, RenderedWorld, WorldAxis, WorldFrame};
 use palpate_scene::world::{WorldActuator, WorldDevice};
-use palpate_session::NotRendered;
-use palpate_sim::device::{SpatialDevice, SpatialHand, SpatialPointer};
+use palpate_study::device_loop::NotRendered;
+use palpate_study::sim::device::{SpatialDevice, SpatialHand, SpatialPointer};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -204,9 +204,11 @@ fn own_device(given: &Bound<'_, PyDict>, name: &str) -> PyResult<(WorldDevice, W
 
 /// Returns the rendering of a world on these devices, with limits within those of the devices.
 pub fn rendered(world: &PyWorld, on: &[OnDevice]) -> PyResult<RenderedWorld> {
-    palpate_session::rendered(world.scene(), &world.method, on).map_err(|error| match error {
-        NotRendered::World(faults) => world.wrong(&faults),
-        NotRendered::Devices(error) => refused(error),
+    palpate_study::device_loop::rendered(world.scene(), &world.method, on).map_err(|error| {
+        match error {
+            NotRendered::World(faults) => world.wrong(&faults),
+            NotRendered::Devices(error) => refused(error),
+        }
     })
 }
 

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods as _};
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_device::Vector;
 use palpate_rt::{LocalWorld, WorldFrame, local_world};
 use palpate_scene::world::{Tremor, WorldDevice, WorldHand};

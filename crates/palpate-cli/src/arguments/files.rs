@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, ValueHint};
-use palpate_figure::Size;
+use palpate_plot::figure::Size;
 use palpate_record::files::atomic::Existing;
 use palpate_record::files::outputs::{Kept, Outputs};
 use palpate_record::trace::{Delimiter, Layout, Part, Ways};

@@ -1,7 +1,7 @@
 //! Flags shared by several commands, in SI units.
 
 use clap::{ArgAction, Args};
-use palpate::Side;
+use palpate_core::Side;
 use palpate_scene::GuardMode;
 
 use super::actuation::ActuationFlags;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use palpate::{ParameterValue, SettingValues, Unit, all_settings};
+use palpate_core::{ParameterValue, SettingValues, Unit, all_settings};
 use palpate_scene::method::{MethodName, Setting, SettingKey, Settings};
 use palpate_scene::world::WorldScene;
 

@@ -3,12 +3,12 @@
 use clap::{Args, Subcommand};
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::Request;
-use palpate_session::{BenchReport, MeasureError, Measured};
 use palpate_study::json;
 
 use super::run::{RealtimeArguments, request};
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::reports::{BenchReport, MeasureError, Measured};
 use crate::results::print;
 use crate::values::{duration, number};
 
@@ -76,7 +76,7 @@ pub fn measure(
     seconds: f64,
 ) -> Result<Measured, Failure> {
     let lasts = duration("--duration", seconds);
-    palpate_session::measure(clock, request, rate, lasts?).map_err(|error| match error {
+    crate::reports::measure(clock, request, rate, lasts?).map_err(|error| match error {
         MeasureError::Rate(error) => Failure::Arguments(format!("--rate {rate}: {error}")),
         MeasureError::Thread(_) => Failure::System(error.to_string()),
     })

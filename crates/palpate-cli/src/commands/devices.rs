@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use clap::{Args, Subcommand, ValueEnum};
 use palpate_haply::inverse3::SERVICE;
-use palpate_session::DeviceList;
 
 use crate::devices::DeviceArguments;
 use crate::failure::Failure;
+use crate::reports::DeviceList;
 #[cfg(unix)]
 use crate::results::print;
 use crate::results::print_report;
@@ -80,10 +80,12 @@ fn list(arguments: &DevicesArguments) -> Result<(), Failure> {
 
 #[cfg(unix)]
 fn check(arguments: &CheckArguments) -> Result<(), Failure> {
+    use crate::reports::Guarding;
     use palpate_device::clock::MonotonicClock;
     use palpate_haply::two_diy::{Unchecked, Verdict};
     use palpate_rt::StopFlag;
-    use palpate_session::{Guarding, MotorsReport};
+
+    use crate::reports::MotorsReport;
     use palpate_study::json;
 
     use crate::devices::two_diy;

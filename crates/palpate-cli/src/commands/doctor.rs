@@ -4,12 +4,12 @@ use std::io;
 
 use clap::Args;
 use palpate_device::clock::MonotonicClock;
-use palpate_session::{MachineReport, RATE, SECONDS};
 
 use super::bench::measure;
 use super::run::{RealtimeArguments, request};
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::reports::{MachineReport, RATE, SECONDS};
 use crate::results::print_report;
 use crate::values::duration;
 

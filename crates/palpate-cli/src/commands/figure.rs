@@ -11,7 +11,7 @@ use crate::arguments::{FigureArguments, FigureName};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::{draw, plan_picture, print};
-use palpate_figure::{Drawing, Picture, Sheet};
+use palpate_plot::figure::{Drawing, Picture, Sheet};
 use palpate_study::report::Report;
 
 /// The scenes of the figures.

@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 
 use palpate_scene::method::{MethodName, Settings};
-use palpate_sim::closed_loop::LoopError;
-use palpate_sim::hand_replay::{HandError, HandModel, REACH, Recording};
-use palpate_sim::replay::ReplaySetup;
 use palpate_study::hand_replay::{
     HandRecording, HandReplayError, HandReplayStep, close_loop as close,
 };
+use palpate_study::sim::closed_loop::LoopError;
+use palpate_study::sim::hand_replay::{HandError, HandModel, REACH, Recording};
+use palpate_study::sim::replay::ReplaySetup;
 use palpate_testbed::InvalidParameter;
 
 use crate::arguments::ReplayFlags;

@@ -3,6 +3,7 @@
 //! A command flattens [`DeviceArguments`] into its own, and calls [`open`] once. Each device has its own module.
 
 mod arguments;
+mod drive;
 #[cfg(unix)]
 pub mod guarding;
 pub mod inverse3;
@@ -11,28 +12,31 @@ pub mod replayed;
 mod several;
 #[cfg(unix)]
 pub mod two_diy;
+mod watched;
 
 pub use arguments::{DeviceArguments, DeviceName};
+pub use drive::drive;
 pub use several::{FLAGS_OF_A_DEVICE, kinds, names, open_for_world};
+pub use watched::Watched;
 
-use palpate::AlongAxis;
+use palpate_core::AlongAxis;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, NullDevice, Vector};
 use palpate_haply::prepared::{Axis, FIRST_AXIS, Reconnecting, Reopen};
 use palpate_rt::WorldFrame;
 use palpate_scene::Scene;
 use palpate_scene::world::{WorldDevice, WorldScene};
-use palpate_sim::device::{
+use palpate_study::sim::device::{
     PointerDevice, PointerHand, PointerParams, SimulatedDevice, SpatialDevice, SpatialHand,
     SpatialPointer,
 };
 
 use crate::failure::{Failure, tell};
+use crate::reports::Guarding;
 #[cfg(unix)]
 use crate::values::duration;
 #[cfg(unix)]
 use palpate_haply::prepared::two_diy::{identity, usual_axis};
-use palpate_session::Guarding;
 
 /// An open device with the contact's axis in its frame.
 pub struct Opened {

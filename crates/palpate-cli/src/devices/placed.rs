@@ -1,6 +1,6 @@
 //! Placement of a contact in a device, and of a device in a world, from flags.
 
-use palpate::AlongAxis;
+use palpate_core::AlongAxis;
 use palpate_device::{Capabilities, Vector};
 use palpate_haply::prepared::{Axis, PlaceError, Placed, WorldPlaceError};
 use palpate_rt::WorldFrame;

@@ -2,13 +2,13 @@
 
 use palpate_device::clock::Clock;
 use palpate_scene::world::{WorldDevice, WorldScene};
-use palpate_session::Guarding;
-use palpate_sim::device::SpatialHand;
+use palpate_study::sim::device::SpatialHand;
 
 use super::arguments::Choice;
 use super::{DeviceArguments, DeviceName, OpenedInWorld, open_as};
 use crate::arguments::Given;
 use crate::failure::Failure;
+use crate::reports::Guarding;
 
 /// Field names of one device's flags. With several named devices they follow the name of their device.
 pub const FLAGS_OF_A_DEVICE: [&str; 13] = [

@@ -9,12 +9,12 @@ use palpate_haply::prepared::Reopen;
 use palpate_haply::prepared::two_diy::{DisableOutput, Guard, OpenError, PortError, Setup};
 use palpate_haply::two_diy::{Board, Calibration, Generation, TwoDiy};
 use palpate_rt::watchdog::WatchdogError;
-use palpate_session::Guarding;
 use rustix::termios::{QueueSelector, tcflush};
 
 use super::DeviceArguments;
 use super::guarding::command;
 use crate::failure::{Failure, tell};
+use crate::reports::Guarding;
 use crate::values::{BoardName, StartPose};
 
 /// Returns the setup from the flags.

@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use palpate::{Contact, Parameter};
+use palpate_core::{Contact, Parameter};
 use palpate_rt::{ChangeError, Parameters, Rendering};
 use palpate_scene::method::{MethodName, Settings, nearest};
 use palpate_scene::{SceneParameter, SceneParameterError, SetupError};
-use palpate_sim::replay::ReplaySetup;
+use palpate_study::sim::replay::ReplaySetup;
 
 use palpate_study::text::exactly;
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use palpate_record::unit::Excess;
-use palpate_sim::replay::ReplaySetup;
+use palpate_study::sim::replay::ReplaySetup;
 
 /// Wording of likely mistakes. It contains the remedy, and only the caller knows its flags.
 #[derive(Clone, Copy)]

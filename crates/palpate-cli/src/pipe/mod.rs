@@ -17,8 +17,6 @@ mod line;
 mod messages;
 mod mistake;
 mod number;
-#[cfg(test)]
-mod schemas;
 mod serving;
 mod stream;
 mod summary;

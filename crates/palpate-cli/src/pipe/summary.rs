@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use palpate::Ledger;
+use palpate_core::Ledger;
 use palpate_rt::safety::{SafetyParams, SafetyStop};
 use serde::Serialize;
 

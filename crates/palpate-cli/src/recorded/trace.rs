@@ -8,8 +8,8 @@ use palpate_record::trace::{
     self, HeldTrace, LedDevice, Part, ReadNotes, TraceError, TraceFault, WorldTrace,
 };
 use palpate_scene::world::WorldDevice;
-use palpate_sim::run::MAX_PERIODS;
 use palpate_study::report::RecordedMotion;
+use palpate_study::sim::run::MAX_PERIODS;
 use palpate_study::text::digits;
 
 use crate::arguments::TraceFlags;

@@ -1,6 +1,8 @@
 //! Converts flags and a device file to the actuation of a scene and the model values of its renderer.
 
-use palpate::{Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission};
+use palpate_core::{
+    Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission,
+};
 use palpate_scene::{Delay, Scene};
 use palpate_study::calibrate::Quantity;
 

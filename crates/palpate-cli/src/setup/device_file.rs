@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate::{Contact, LARGEST_DELAY, Mass};
+use palpate_core::{Contact, LARGEST_DELAY, Mass};
 use palpate_record::files::bounded::DEVICE;
 use palpate_scene::{Model, quantum_of};
 use palpate_study::calibrate::{Calibration, Quantity};

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use palpate::{Allowed, Parameter, ParameterError};
+use palpate_core::{Allowed, Parameter, ParameterError};
 use palpate_scene::method::{SettingKey, SettingsError};
 use palpate_scene::{SceneParameter, SceneParameterError, SetupError};
 use palpate_testbed::InvalidParameter;

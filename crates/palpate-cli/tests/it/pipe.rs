@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use crate::common::{Folder, METHODS, default_params, number, parse, taps, unlimited};
-use palpate::{AnyRenderer, Contact, LoopParams, ObjectState, Renderer, Sample};
+use palpate_core::{AnyRenderer, Contact, LoopParams, ObjectState, Renderer, Sample};
 
 const WALL: &str = "pipe --stiffness 1000 --mass inf --period 0.001 --device-mass 0.2";
 

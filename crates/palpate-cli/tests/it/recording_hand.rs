@@ -4,7 +4,7 @@ use crate::common::{Folder, in_a_line, number, of_method};
 use crate::recordings::{append, loop_in, record, row, write};
 use palpate_record::recording::{Flags, RecordingMetadata, RecordingWriter, Row};
 use palpate_scene::method::MethodName;
-use palpate_sim::run::Run;
+use palpate_study::sim::run::Run;
 
 /// A scene and its mirror image, on the device's other side.
 fn both_sides() -> [String; 2] {
@@ -197,7 +197,7 @@ fn what_was_sent_acts_after_the_delay_of_the_recorded_loop() {
     let scene = palpate_scene::SceneFile::parse("scene", &text)
         .unwrap()
         .scene;
-    let bench = palpate_sim::closed_loop::Bench::new(&scene).unwrap();
+    let bench = palpate_study::sim::closed_loop::Bench::new(&scene).unwrap();
     let run = bench.run(MethodName::Hfcr).unwrap();
     write(&folder.path("tap.mcap"), &text, &run, |_| true);
     folder.succeed("replay tap.mcap --replay hand --out r.csv");

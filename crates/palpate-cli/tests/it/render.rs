@@ -1,7 +1,7 @@
 //! `palpate render`: recorded motion in, forces and a report out.
 
 use crate::common::{Folder, METHODS, default_params, number, of_method, taps, trace_text};
-use palpate::{AnyRenderer, Contact, LoopParams, ObjectState, Renderer, Sample, State};
+use palpate_core::{AnyRenderer, Contact, LoopParams, ObjectState, Renderer, Sample, State};
 
 const FLAGS: &str = "--stiffness 400 --mass 0.1 --period 0.01 --force -0.981 --object-position 0";
 const STIFFNESS: f64 = 400.0;

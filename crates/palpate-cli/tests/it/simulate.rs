@@ -3,7 +3,7 @@
 use crate::common::{Folder, METHODS, experiment, experiment_text, number, of_method};
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
-use palpate_sim::closed_loop::Bench;
+use palpate_study::sim::closed_loop::Bench;
 use serde_json::Value;
 
 /// A folder with the scene of Fig. 2.

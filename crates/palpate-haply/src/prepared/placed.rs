@@ -1,6 +1,6 @@
 //! Position of a contact's axis and of a world in the frame of a device.
 
-use palpate::AlongAxis;
+use palpate_core::AlongAxis;
 use palpate_device::{Capabilities, Vector};
 use palpate_rt::{FrameError, WorldAxis, WorldFrame};
 

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use palpate::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
+use palpate_core::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Device, DeviceErrorKind, Pose};
 use palpate_haply::emulator::two_diy::{Did, Emulator, Hand, PortSettings, Seen, Settings};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate::AlongAxis;
+use palpate_core::AlongAxis;
 use palpate_device::Capabilities;
 use palpate_device::clock::MonotonicClock;
 use palpate_record::recording::{ContactTick, Flags, Row, Tick};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use palpate::AlongAxis;
+use palpate_core::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device};
 use palpate_record::recording::RecordingMetadata;
@@ -14,7 +14,7 @@ use palpate_rt::safety::SafetyParams;
 use palpate_rt::{SetupError, StopFlag};
 use palpate_scene::Scene;
 use palpate_scene::method::MethodName;
-use palpate_sim::device::PointerHand;
+use palpate_study::sim::device::PointerHand;
 
 use super::lane::{Lane, Run};
 use super::recording::{Ending, LaneRecording};

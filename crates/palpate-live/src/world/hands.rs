@@ -2,7 +2,7 @@
 
 use palpate_device::Vector;
 use palpate_scene::world::WorldScene;
-use palpate_sim::device::SpatialHand;
+use palpate_study::sim::device::SpatialHand;
 
 use crate::hub::ClientId;
 

@@ -15,7 +15,7 @@ use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{Account, Ending, LoopEnd, Note, RenderedWorld, StopFlag};
 use palpate_scene::world::WorldScene;
-use palpate_sim::device::SpatialHand;
+use palpate_study::sim::device::SpatialHand;
 
 use crate::hub::Hub;
 use crate::message::{ClientRequest, ServerMessage};

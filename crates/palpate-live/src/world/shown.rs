@@ -3,7 +3,7 @@
 use palpate_device::{Capabilities, Vector};
 use palpate_record::recording::{BodyTick, ContactTick, Row, Tick};
 use palpate_scene::world::WorldScene;
-use palpate_sim::device::SpatialHand;
+use palpate_study::sim::device::SpatialHand;
 use palpate_world::{Mesh, Motion, Shape};
 use serde_json::{Value, json};
 

@@ -13,7 +13,7 @@ use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{Ending, RenderedWorld, StopFlag, WorldFrame};
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_sim::device::{SpatialHand, SpatialPointer};
+use palpate_study::sim::device::{SpatialHand, SpatialPointer};
 use serde_json::Value;
 
 const PATIENCE: Duration = Duration::from_secs(20);

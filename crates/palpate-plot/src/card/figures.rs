@@ -1,6 +1,6 @@
 //! Figures of a device report, each as inline SVG of an HTML page.
 
-use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series, Size, SizeError, svg};
+use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series, Size, SizeError, svg};
 use palpate_study::advise::Reach;
 use palpate_study::card::{ContactCard, Distribution, MethodReachCard, MotionCard, ReachCard};
 

@@ -7,7 +7,7 @@ use palpate_study::card::Card;
 use super::escape::escaped;
 use super::figures::Figures;
 use super::sections;
-use palpate_figure::SizeError;
+use crate::figure::SizeError;
 
 /// Style sheet for screens, phones and paper.
 const STYLE: &str = include_str!("style.css");

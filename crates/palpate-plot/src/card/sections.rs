@@ -11,7 +11,7 @@ use palpate_study::text::{digits, percent};
 
 use super::escape::escaped;
 use super::figures::Figures;
-use palpate_figure::SizeError;
+use crate::figure::SizeError;
 
 /// Returns a table; the cells are markup.
 fn table(head: &[&str], rows: &[Vec<String>]) -> String {

@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
+use crate::figure::Sheet;
 use comfy_table::CellAlignment;
-use palpate_figure::Sheet;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Measure, Scene};
-use palpate_sim::closed_loop::{Bench, LoopError, error_against};
-use palpate_sim::run::Run;
 use palpate_study::report::{Report, Subject};
+use palpate_study::sim::closed_loop::{Bench, LoopError, error_against};
+use palpate_study::sim::run::Run;
 use palpate_study::text::{lines, number, percent, plain_table};
 
 use crate::method_by_method;

@@ -4,7 +4,7 @@ use palpate_scene::Linkage;
 use palpate_testbed::pantograph::ArmPose;
 use palpate_testbed::pantograph::kinematics::NoPose;
 
-use palpate_figure::{Beside, Drawing, Pen, drawing};
+use crate::figure::{Beside, Drawing, Pen, drawing};
 
 /// Pixels per metre.
 const SCALE: f64 = 480.0;

@@ -1,6 +1,6 @@
 //! Fig. 1: device and object in their two modes.
 
-use palpate_figure::{Beside, Drawing, Pen, drawing};
+use crate::figure::{Beside, Drawing, Pen, drawing};
 
 /// Layout and captions of one mode.
 struct Mode {

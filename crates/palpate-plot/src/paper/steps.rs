@@ -1,10 +1,10 @@
 //! Fig. 2: the block on the light device, step by step.
 
-use palpate_figure::Figure;
+use crate::figure::Figure;
 use palpate_scene::Scene;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
-use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_study::report::{Report, Subject};
+use palpate_study::sim::closed_loop::{Bench, LoopError};
 
 use crate::step_by_step;
 

@@ -7,7 +7,7 @@
 //! One program at a time uses a journal. It locks the journal from opening until the program ends, and writes a line
 //! that identifies it. Complete lines are never overwritten.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -123,7 +123,11 @@ impl Journal {
         };
         if lines.length < bytes.len() {
             // Remove the incomplete last line.
-            journal.file.0.set_len(lines.length as u64).map_err(failed)?;
+            journal
+                .file
+                .0
+                .set_len(lines.length as u64)
+                .map_err(failed)?;
         }
         journal.append(&format!("{HOLDER}{}", Holder::this()))?;
         let mut texts = texts.into_iter();
@@ -262,6 +266,8 @@ fn verified(line: &[u8]) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs::File;
+
     use super::*;
 
     fn written() -> (tempfile::TempDir, PathBuf, Vec<u8>) {

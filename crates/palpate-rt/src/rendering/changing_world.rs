@@ -1,6 +1,6 @@
 //! A world in the loop that any thread can replace.
 
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};

@@ -1,6 +1,6 @@
 //! Local model of a low-rate simulator in the loop, and the simulator's end.
 
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags, Phase};

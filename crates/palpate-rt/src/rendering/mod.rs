@@ -9,26 +9,26 @@ mod renders;
 mod world;
 mod world_rows;
 
-use palpate::{ParameterError, Running};
+use palpate_core::{ParameterError, Running};
 
 pub use changing_world::{ChangingWorld, WorldChangeError, Worlds, changing_world};
 pub use frame::{FrameError, WorldAxis, WorldFrame};
 pub(crate) use local_world::{FromHost, sides};
 pub use local_world::{LocalWorld, LowRateSimulator, local_world};
 pub use one_contact::OneContact;
-pub use palpate::{CHANGE_DURATION, ChangeError};
+pub use palpate_core::{CHANGE_DURATION, ChangeError};
 pub use rendered::Rendered;
 pub use renders::{Answer, DeviceSample, DeviceSamples, Renders};
 pub use world::{RenderedWorld, Turns};
 pub use world_rows::WorldRows;
 
 /// Rendering of one contact, in the loop's number type.
-pub type Rendering = palpate::Rendering<f64>;
+pub type Rendering = palpate_core::Rendering<f64>;
 
 /// A checked change of the rendering, with its number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change {
-    pub change: palpate::Change<f64>,
+    pub change: palpate_core::Change<f64>,
     pub generation: u32,
 }
 
@@ -61,7 +61,7 @@ impl Parameters {
     /// # Errors
     /// A parameter outside its range, another period, another side of the device.
     pub fn change(&mut self, rendering: Rendering) -> Result<u32, ChangeError> {
-        let change = palpate::Change::new(&self.current, rendering)?;
+        let change = palpate_core::Change::new(&self.current, rendering)?;
         self.generation = self.generation.wrapping_add(1);
         self.current = rendering;
         self.input.write(Change {
@@ -83,7 +83,7 @@ pub fn parameters(rendering: Rendering) -> Result<(Parameters, Rendered), Parame
     // Recordings and pipes depend on the exact result of this power function.
     let running = Running::new(rendering)?.with_power(f64::powf);
     let (input, output) = triple_buffer::triple_buffer(&Change {
-        change: palpate::Change::none(&running),
+        change: palpate_core::Change::none(&running),
         generation: 0,
     });
     let parameters = Parameters {

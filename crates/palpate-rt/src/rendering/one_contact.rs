@@ -1,6 +1,6 @@
 //! One contact along an axis of the device's frame, in the loop.
 
-use palpate::{Actuation, AlongAxis, Output, ParameterError};
+use palpate_core::{Actuation, AlongAxis, Output, ParameterError};
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags};
 

@@ -1,6 +1,6 @@
 //! The rendered contact, with parameter changes from another thread.
 
-use palpate::{Ledger, Output, Running, Sample};
+use palpate_core::{Ledger, Output, Running, Sample};
 
 use super::{Change, Rendering};
 

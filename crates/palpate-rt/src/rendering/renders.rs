@@ -1,6 +1,6 @@
 //! Interface between a loop and its rendering: poses in, wrenches out.
 
-use palpate::{Actuation, Fault};
+use palpate_core::{Actuation, Fault};
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 

@@ -1,6 +1,6 @@
 //! A world in the loop.
 
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 use palpate_world::{

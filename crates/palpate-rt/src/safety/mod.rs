@@ -20,7 +20,7 @@ pub use supervisor::{Heartbeat, Supervisor};
 use std::time::Duration;
 
 use oscillation::Oscillation;
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_device::{Vector, Wrench};
 use recoveries::Recoveries;
 

@@ -1,6 +1,6 @@
 //! Changes of the rendering while the loop runs.
 
-use palpate::{AnyParams, CoupledParams, HfcrParams, Mass, Side, VirtualDamperParams};
+use palpate_core::{AnyParams, CoupledParams, HfcrParams, Mass, Side, VirtualDamperParams};
 use palpate_rt::safety::{SafetyParams, SafetyStop};
 use palpate_rt::{ChangeError, Note, Rendering, tap};
 use palpate_scene::method::MethodName;

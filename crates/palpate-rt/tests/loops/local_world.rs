@@ -6,7 +6,7 @@ use palpate_device::clock::SteppedClock;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, LocalWorld, LowRateSimulator, SetupError, WorldFrame, local_world};
 use palpate_scene::world::WorldFile;
-use palpate_sim::device::SpatialDevice;
+use palpate_study::sim::device::SpatialDevice;
 use palpate_world::engine::local::{LocalContact, LocalParams, LocalRenderer, ModelRefusal};
 use palpate_world::{ContactLaw, CoupledParams, Shape, Tool, WorldLoop};
 

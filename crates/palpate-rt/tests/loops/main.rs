@@ -23,7 +23,7 @@ use palpate_rt::ControlLoop;
 use palpate_rt::safety::{OscillationParams, SafetyParams};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, beside};
-use palpate_sim::device::SimulatedDevice;
+use palpate_study::sim::device::SimulatedDevice;
 
 /// Loads a scene of `experiments/`.
 pub(crate) fn scene(name: &str) -> Scene {

@@ -1,6 +1,6 @@
 //! The safety layer without a loop.
 
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_device::Wrench;
 use palpate_rt::BoundedWorld;
 use palpate_rt::safety::{OscillationParams, Rendered, Safety, SafetyParams, SafetyStop};

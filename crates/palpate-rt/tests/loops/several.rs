@@ -14,7 +14,7 @@ use palpate_rt::{
     WorldFrame, tap,
 };
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_sim::device::SpatialDevice;
+use palpate_study::sim::device::SpatialDevice;
 use palpate_world::Sample;
 
 use crate::wide;
@@ -175,7 +175,7 @@ fn forces_and_books_are_those_of_a_bounded_world() {
 #[test]
 fn it_is_the_loop_of_the_simulator_with_two_hands() {
     let pinch = scene("pinch.toml");
-    let bench = palpate_sim::world::WorldBench::new(&pinch).unwrap();
+    let bench = palpate_study::sim::world::WorldBench::new(&pinch).unwrap();
     let expected = bench
         .run("coupled", &pinch.renderer("coupled").unwrap())
         .unwrap();

@@ -7,8 +7,8 @@ use palpate_device::clock::SteppedClock;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
 use palpate_scene::{ActuatorParams, Delay};
-use palpate_sim::closed_loop::Bench;
-use palpate_sim::device::SimulatedDevice;
+use palpate_study::sim::closed_loop::Bench;
+use palpate_study::sim::device::SimulatedDevice;
 
 use crate::{scene, simulated, wide};
 

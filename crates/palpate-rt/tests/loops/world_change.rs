@@ -8,7 +8,7 @@ use palpate_rt::{
     changing_world, tap,
 };
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_sim::device::SpatialDevice;
+use palpate_study::sim::device::SpatialDevice;
 use palpate_world::Motion;
 
 use crate::wide;

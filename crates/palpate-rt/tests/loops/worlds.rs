@@ -10,8 +10,8 @@ use palpate_rt::{
     ControlLoop, Message, RenderedWorld, SetupError, Turns, WorldAxis, WorldFrame, tap,
 };
 use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
-use palpate_sim::device::SpatialDevice;
-use palpate_sim::world::WorldBench;
+use palpate_study::sim::device::SpatialDevice;
+use palpate_study::sim::world::WorldBench;
 use palpate_world::{WorldGuard, WorldGuardParams};
 
 use crate::wide;

@@ -1,6 +1,6 @@
 //! Devices as a file gives them.
 
-use palpate::Range;
+use palpate_core::Range;
 use palpate_world::{IDENTITY, Quaternion, Tool, Vector, WorldField, WorldPart};
 use serde::Deserialize;
 use toml::Spanned;

@@ -5,7 +5,7 @@ mod contact;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use palpate::Range;
+use palpate_core::Range;
 use palpate_world::{
     Body, Contact, Free, IDENTITY, Motion, Quaternion, Shape, Vector, World, WorldField as Field,
     WorldGuard, WorldPart,

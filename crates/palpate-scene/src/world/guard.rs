@@ -1,6 +1,6 @@
 //! Bound on the energy output of a world's forces, as read from a file.
 
-use palpate::Range;
+use palpate_core::Range;
 use palpate_world::{WorldField, WorldGuard, WorldGuardParams, WorldPart};
 use serde::Deserialize;
 use toml::Spanned;

@@ -1,6 +1,6 @@
 //! The masses of a device by the place of its tool, as a file gives them.
 
-use palpate::Range;
+use palpate_core::Range;
 use palpate_world::{MassTableError, Tool, Vector};
 use serde::Deserialize;
 use toml::Spanned;

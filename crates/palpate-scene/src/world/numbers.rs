@@ -1,6 +1,6 @@
 //! The numbers of a world's file, which are checked where they are read.
 
-use palpate::Range;
+use palpate_core::Range;
 use palpate_world::{Vector, out_of_range};
 use toml::Spanned;
 

@@ -1,6 +1,6 @@
 //! Construction of a world's renderer from its scene.
 
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_world::{
     BasicParams, CoupledParams, GodObjectParams, Tool, VirtualCouplingParams, WorldError,
     WorldField, WorldGuard, WorldLoop, WorldMethod, WorldPart, WorldRenderer,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_scene::method::MethodName;
 use palpate_scene::{HandForceAt, Linkage, Scene, SceneFile, beside};
-use palpate_sim::closed_loop::Bench;
+use palpate_study::sim::closed_loop::Bench;
 
 /// A good file with every key there is.
 const GOOD: &str = r#"device_format = 1

@@ -1,12 +1,12 @@
 //! Contact in a device report: recorded and evaluated against the ideal on its motion, or simulated.
 
 use super::file_name;
+use crate::sim::closed_loop::Bench;
+use crate::sim::replay::{Replay, ReplayError, ReplaySetup};
+use crate::sim::run::{Reference, Run};
 use palpate_record::recording::{Flags, Recording, Row};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Model, Scene, SceneFile};
-use palpate_sim::closed_loop::Bench;
-use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
-use palpate_sim::run::{Reference, Run};
 use serde::Serialize;
 
 use super::device::DeviceCard;
@@ -215,13 +215,13 @@ method = "coupled"
         (run, reference): (&Run, &Reference),
     ) -> Self {
         let times: Vec<f64> = run.ticks.iter().map(|tick| tick.time).collect();
-        let of_ticks = |quantity, of: &dyn Fn(&palpate_sim::run::Tick) -> f64| Curve {
+        let of_ticks = |quantity, of: &dyn Fn(&crate::sim::run::Tick) -> f64| Curve {
             quantity,
             t_s: times.clone(),
             values: run.ticks.iter().map(of).collect(),
         };
         let ideal_times: Vec<f64> = reference.curve.iter().map(|point| point.time).collect();
-        let of_ideal = |quantity, of: &dyn Fn(&palpate_sim::run::IdealPoint) -> f64| Curve {
+        let of_ideal = |quantity, of: &dyn Fn(&crate::sim::run::IdealPoint) -> f64| Curve {
             quantity,
             t_s: ideal_times.clone(),
             values: reference.curve.iter().map(of).collect(),
@@ -236,7 +236,7 @@ method = "coupled"
         ];
         let deepest = run.ticks.iter().map(|tick| tick.output.penetration);
         let fidelity = run.force.fidelity;
-        let mass = palpate_sim::closed_loop::object_mass(scene);
+        let mass = crate::sim::closed_loop::object_mass(scene);
         Self {
             source,
             is_recorded: false,

@@ -2,15 +2,15 @@
 
 use std::collections::HashMap;
 
-use palpate::{AnyRenderer, Contact, LoopParams, ObjectState, ParameterValue};
+use palpate_core::{AnyRenderer, Contact, LoopParams, ObjectState, ParameterValue};
 use palpate_testbed::InvalidParameter;
 
+use crate::sim::closed_loop::LoopError;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{
     ActuatorParams, Delay, Hand, Measure, Model, PointMassDevice, Scene, SceneDevice, SetupError,
     Timing,
 };
-use palpate_sim::closed_loop::LoopError;
 
 /// True values of a device, and the renderer's model of its mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,7 +114,7 @@ pub enum BounceError {
     #[error("the object never meets the device: no force drives them together")]
     NoBounce,
     /// The window has too many periods.
-    #[error("the bounce takes {0:.0} periods; at most {most} fit", most = palpate_sim::run::MAX_PERIODS)]
+    #[error("the bounce takes {0:.0} periods; at most {most} fit", most = crate::sim::run::MAX_PERIODS)]
     TooLong(f64),
 }
 

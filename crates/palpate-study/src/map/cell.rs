@@ -1,6 +1,6 @@
 //! A cell of the map: every method on both plants, in bounces from all start heights and in sustained contacts.
 
-use palpate::AnyRenderer;
+use palpate_core::AnyRenderer;
 
 use super::PHASES;
 use super::bounce::{Bounce, BounceError, Plant, default_settings};

@@ -4,7 +4,7 @@
 //! A cell of the map is a [`Bounce`]: an object falls onto the device and bounces. Every method runs it from
 //! [`PHASES`] start heights. Then the same object and device start near their equilibrium, and [`Stay`] measures
 //! whether the contact comes to rest. The loop stores no samples, so a tick allocates nothing and a map of a million
-//! runs takes a minute or two. Its steps are those of [`Bench`](palpate_sim::closed_loop::Bench).
+//! runs takes a minute or two. Its steps are those of [`Bench`](crate::sim::closed_loop::Bench).
 //!
 //! A cell's scene follows from its index alone. There are no random numbers, so a map is independent of the number of
 //! threads and of shards.

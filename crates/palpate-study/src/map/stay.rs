@@ -1,13 +1,13 @@
 //! Sustained contact: whether an object on a held device, or a pressed one, comes to rest.
 
-use palpate::{AnyRenderer, ObjectState};
+use palpate_core::{AnyRenderer, ObjectState};
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::sprung_mass::SprungMass;
 
 use super::bounce::{Bounce, BounceError};
+use crate::sim::ticks::{TickedDevice, TicksParams, Way};
 use palpate_scene::method::{MethodName, Settings};
 use palpate_scene::{Grip, Hand, Intention};
-use palpate_sim::ticks::{TickedDevice, TicksParams, Way};
 
 /// Largest standard deviation of the force of a contact at rest, relative to the pressing force.
 pub const RESTS_BELOW: f64 = 0.1;

@@ -1,6 +1,6 @@
 //! One bounce by one method, evaluated while it runs: no recording, no allocation per tick.
 
-use palpate::{AnyRenderer, ObjectState};
+use palpate_core::{AnyRenderer, ObjectState};
 use palpate_testbed::device::PointMass;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::measure::Sampler;
@@ -13,10 +13,10 @@ use palpate_testbed::viscous_mass::ViscousMass;
 use super::bounce::{Bounce, BounceError};
 use super::growth::{BounceEnergy, GrowthMeter};
 use super::{ERROR_COLLISIONS, GROWTH_COLLISIONS, PHASE_RANGE, PHASES};
-use palpate_sim::closed_loop::LoopError;
-use palpate_sim::run::MAX_PERIODS;
-use palpate_sim::sampled_loop::device_of;
-use palpate_sim::ticks::{TickedDevice, TicksParams, Way};
+use crate::sim::closed_loop::LoopError;
+use crate::sim::run::MAX_PERIODS;
+use crate::sim::sampled_loop::device_of;
+use crate::sim::ticks::{TickedDevice, TicksParams, Way};
 
 /// Results of a bounce.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,12 @@
 //! Replay of a recording under another force, with its recorded motion or with its recorded hand in closed loop.
 
+use crate::sim::hand_replay::{HandModel, Recording as OfAHand};
+use crate::sim::replay::{Replay, ReplayError, ReplaySetup};
+use crate::sim::run::{Reference, Run};
 use palpate_record::recording::Recording;
 use palpate_record::trace::Part;
 use palpate_scene::Scene;
 use palpate_scene::method::MethodName;
-use palpate_sim::hand_replay::{HandModel, Recording as OfAHand};
-use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
-use palpate_sim::run::{Reference, Run};
 
 use super::{RecordedCurves, Ticks, TicksError};
 use crate::hand_replay::{HandRecording, HandReplayError, HandReplayStep, ReplayRuns, close_loop};

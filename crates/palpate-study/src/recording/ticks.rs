@@ -1,8 +1,8 @@
 //! Ticks of a recording for a replay.
 
+use crate::sim::replay::ReplaySetup;
 use palpate_record::recording::{Flags, Recording, RecordingError, Row};
 use palpate_record::trace::Part;
-use palpate_sim::replay::ReplaySetup;
 
 use super::RecordedCurves;
 use crate::text::counted;

@@ -1,6 +1,6 @@
 //! True values of an actuator and the renderer's model values, under the names of scene files.
 
-use palpate::{Actuation, LARGEST_DELAY};
+use palpate_core::{Actuation, LARGEST_DELAY};
 use palpate_scene::Scene;
 
 /// Returns the true values of a scene's actuator and its renderer's model values, by key. Empty for an ideal actuator

@@ -1,8 +1,8 @@
 //! Metadata of runs for a run file.
 
-use palpate::{Guard, Mass, ObjectState, Side};
+use crate::sim::run::Run;
+use palpate_core::{Guard, Mass, ObjectState, Side};
 use palpate_scene::{HandForceAt, Intention, Measure, PantographDevice, Scene};
-use palpate_sim::run::Run;
 
 use super::{Subject, parameters_of, timing_of};
 

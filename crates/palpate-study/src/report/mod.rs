@@ -25,10 +25,10 @@ pub use replayed::{HandReport, Replayed};
 pub use seeds::OverSeeds;
 pub use timing::of as timing_of;
 
-use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
+use crate::sim::replay::ReplaySetup;
+use crate::sim::run::{Reference, Run};
+use palpate_core::{Contact, Difficulty, LoopParams, Mass, Side};
 use palpate_scene::{Delay, Scene, Timing};
-use palpate_sim::replay::ReplaySetup;
-use palpate_sim::run::{Reference, Run};
 use palpate_testbed::metrics::Rebound;
 use serde::Serialize;
 use serde_json::Value;

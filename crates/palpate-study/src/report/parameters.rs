@@ -1,6 +1,6 @@
 //! Parameters of a method in a report.
 
-use palpate::ParameterValue;
+use palpate_core::ParameterValue;
 use serde_json::{Map, Value};
 
 /// Returns the parameters by key, with the unit at the end of the key; empty for a method without parameters.

@@ -1,7 +1,7 @@
 //! The replayed motion or hand of a recording, and its accuracy.
 
+use crate::sim::hand_replay::RecordedHand;
 use palpate_scene::method::MethodName;
-use palpate_sim::hand_replay::RecordedHand;
 use serde::Serialize;
 
 use crate::text::{counted, digits};

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use comfy_table::{Cell, CellAlignment, Table};
-use palpate::Mass;
+use palpate_core::Mass;
 
 use super::{CollisionReport, MethodReport, OverSeeds, Report};
 use crate::suite::Spread;

@@ -1,5 +1,5 @@
-//! The files of `docs/schema`, compared with the types that they are made from. `palpate-session` and `palpate-cli`
-//! use this file, too.
+//! The files of `docs/schema`, compared with the types that they are made from. `palpate-cli` uses
+//! this file, too.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -9,11 +9,18 @@ use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema};
 
 /// Schema files by the crate of their type.
-const FILES: [(&str, &[&str]); 3] = [
-    ("palpate-cli", &["pipe", "world-pipe"]),
+const FILES: [(&str, &[&str]); 2] = [
     (
-        "palpate-session",
-        &["bench-loop", "devices", "devices-check", "doctor", "run"],
+        "palpate-cli",
+        &[
+            "bench-loop",
+            "devices",
+            "devices-check",
+            "doctor",
+            "pipe",
+            "run",
+            "world-pipe",
+        ],
     ),
     (
         "palpate-study",

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use serde::Deserialize;
 
-use palpate::Guard;
+use palpate_core::Guard;
 
 use palpate_scene::method::{
     MethodName, SettingKey, Settings, SettingsError, deserialize_settings, method_named,

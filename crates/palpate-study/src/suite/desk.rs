@@ -1,6 +1,6 @@
 //! Random desktop devices with real actuators.
 
-use palpate::{Contact, LoopParams, ObjectState};
+use palpate_core::{Contact, LoopParams, ObjectState};
 use palpate_scene::method::MethodName;
 use palpate_scene::{
     ActuatorParams, Cogging, Delay, Hand, Measure, Model, PointMassDevice, Scene, SceneDevice,
@@ -199,7 +199,7 @@ pub(super) fn calibrate_itself(plant: &mut RandomPlant) -> Result<(), DrawError>
                 scene.model = calibrated::model(&calibration, |_| true);
                 scene.model_device_mass = calibration.value(Quantity::DeviceMass);
                 scene.title += &format!(", calibrated with {largest_force} N");
-                if let palpate::Mass::Finite(object) = scene.contact.object_mass
+                if let palpate_core::Mass::Finite(object) = scene.contact.object_mass
                     && let Some(stiffest) = calibration.stiffest_contact(object, PERIOD)
                     && stiffest < scene.contact.stiffness
                 {

@@ -1,18 +1,18 @@
 //! Drawing of one random plant.
 
-use palpate::{Contact, LoopParams, ObjectState};
+use palpate_core::{Contact, LoopParams, ObjectState};
 use palpate_testbed::reference::{self, POINTS_PER_PERIOD, ReferenceScene, Stop};
 
 use super::COLLISIONS;
 use super::chance::Chance;
 use super::steps::Step;
+use crate::sim::closed_loop::{LoopError, object_mass};
+use crate::sim::sampled_loop::device_of;
 use palpate_scene::method::MethodName;
 use palpate_scene::{
     ActuatorParams, Delay, Grip, Hand, Intention, Measure, Model, PointMassDevice, Scene,
     SceneDevice, Timing, Wave,
 };
-use palpate_sim::closed_loop::{LoopError, object_mass};
-use palpate_sim::sampled_loop::device_of;
 
 /// Gravity on the object `[m/s²]`.
 pub(super) const GRAVITY: f64 = 9.81;

@@ -28,7 +28,7 @@ use std::ops::Range;
 use palpate_testbed::metrics::{Fidelity, ForceEvaluation};
 use rayon::prelude::*;
 
-use palpate_sim::closed_loop::{Bench, LoopError};
+use crate::sim::closed_loop::{Bench, LoopError};
 
 /// Delays of every plant of the paper's set `[samples]`, also in the renderer's model. The last one is also run
 /// without a delay in the model.

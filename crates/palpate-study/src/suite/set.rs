@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use palpate::Transmission;
+use palpate_core::Transmission;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Delay, Model, Scene};
 

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::ops::Range;
 
 use super::{COLLISIONS, Column, Evaluated, Set, Trial};
-use palpate::Mass;
+use palpate_core::Mass;
 use palpate_record::run::{Cell, RunWriteError, RunWriter};
 
 /// Columns with the properties of a plant, in each of its rows.

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
+use crate::sim::world::{WorldBench, WorldBenchError, WorldRun};
 use comfy_table::{Cell, CellAlignment};
 use palpate_scene::world::WorldScene;
-use palpate_sim::world::{WorldBench, WorldBenchError, WorldRun};
 use serde::Serialize;
 
 use super::candidates::Tunable;

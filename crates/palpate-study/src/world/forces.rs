@@ -2,8 +2,8 @@
 
 use std::io::Write;
 
+use crate::sim::world::WorldRun;
 use palpate_scene::world::WorldScene;
-use palpate_sim::world::WorldRun;
 use palpate_world::Tool;
 
 /// Writes a row per method, sample and device: its position and the commanded force, also its orientation if it

@@ -10,8 +10,8 @@ pub mod tune;
 
 pub use setting::SettingReport;
 
+use crate::sim::world::{Refusal, WorldBench, WorldRun};
 use palpate_scene::world::WorldScene;
-use palpate_sim::world::{Refusal, WorldBench, WorldRun};
 use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::world::{DeviceEvaluation, Member, WorldIdeal};
 use serde::Serialize;

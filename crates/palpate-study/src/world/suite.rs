@@ -3,9 +3,9 @@
 use std::fmt;
 use std::ops::Range;
 
+use crate::sim::world::{WorldBench, WorldBenchError, as_rendered};
 use comfy_table::{Cell, CellAlignment};
 use palpate_scene::world::WorldSettings;
-use palpate_sim::world::{WorldBench, WorldBenchError, as_rendered};
 use palpate_testbed::world::PlantParams;
 use palpate_testbed::world::random_worlds::{RandomHands, RandomWorld, random_worlds};
 use palpate_world::{CoupledParams, WorldLoop, WorldMethod, WorldRenderer};
@@ -287,9 +287,9 @@ fn errors(
         ..PlantParams::perfect(period)
     };
     let bench = WorldBench::of(scene, params, world.ideal.clone());
-    let loop_params = WorldLoop::new(period).with_actuation(palpate::Actuation {
+    let loop_params = WorldLoop::new(period).with_actuation(palpate_core::Actuation {
         delay: delay_s,
-        ..palpate::Actuation::default()
+        ..palpate_core::Actuation::default()
     });
     let error = |method: WorldMethod| -> Result<f64, WorldBenchError> {
         let renderer = WorldRenderer::new(&rendered, loop_params.clone(), method)

@@ -5,9 +5,9 @@
 
 use std::fmt;
 
+use crate::sim::world::{WorldBench, WorldBenchError, WorldRun};
 use comfy_table::{Cell, CellAlignment};
 use palpate_scene::world::{WorldScene, WorldSettings};
-use palpate_sim::world::{WorldBench, WorldBenchError, WorldRun};
 use palpate_world::{Tool, WorldRenderer};
 use rayon::prelude::*;
 use serde::Serialize;

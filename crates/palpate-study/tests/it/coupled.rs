@@ -4,9 +4,9 @@
 use crate::common::{PAPER_SCENES, scene};
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{Delay, Measure, Scene};
-use palpate_sim::closed_loop::Bench;
-use palpate_sim::run::Run;
 use palpate_study::heights::over_heights;
+use palpate_study::sim::closed_loop::Bench;
+use palpate_study::sim::run::Run;
 use palpate_study::suite::{Column, DELAYS, Set, run, summary};
 use palpate_testbed::metrics::Fidelity;
 

@@ -1,7 +1,7 @@
 //! Influence of the sensor and the hand on the force error of random worlds.
 #![allow(clippy::print_stdout)] // what was measured
 
-use palpate_sim::world::{WorldBench, as_rendered};
+use palpate_study::sim::world::{WorldBench, as_rendered};
 use palpate_testbed::world::random_worlds::{RandomHands, RandomWorld, random_worlds};
 use palpate_testbed::world::{Decisive, PlantParams};
 use palpate_world::{CoupledParams, WorldLoop, WorldRenderer};
@@ -27,9 +27,9 @@ fn evaluated(world: &RandomWorld, condition: Condition) -> Option<(Decisive, f64
         delay,
         ..PlantParams::perfect(period)
     };
-    let loop_params = WorldLoop::new(period).with_actuation(palpate::Actuation {
+    let loop_params = WorldLoop::new(period).with_actuation(palpate_core::Actuation {
         delay,
-        ..palpate::Actuation::default()
+        ..palpate_core::Actuation::default()
     });
     let rendered = as_rendered(&scene);
     let bench = WorldBench::of(scene, params, world.ideal.clone());

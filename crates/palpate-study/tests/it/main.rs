@@ -1,11 +1,33 @@
-//! All integration tests of palpate-study, in one binary.
+//! All integration tests of palpate-study, in one program.
 
-#[path = "../../../palpate-sim/tests/it/common/mod.rs"]
+mod actuators;
+mod calibrates;
+mod claims;
 mod common;
 mod coupled;
 mod decisive;
+mod emulated_devices;
+mod hand_replay;
+mod hard_worlds;
+mod held;
+mod human;
+mod imperfect;
+mod linkages;
+mod loops;
+mod low_rate_simulator;
 mod map;
+mod motion_replay;
+mod own_axes;
 mod paper;
+mod plant;
+mod plants;
+mod pressed;
 mod real_actuators;
+mod recorded_loop;
+mod shells;
+mod six_axes;
 mod suite;
 mod tune;
+mod two_axes;
+mod vectors;
+mod worlds;

@@ -5,14 +5,14 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use palpate::ParameterValue;
+use palpate_core::ParameterValue;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{Linkage, Measure};
-use palpate_sim::closed_loop::Bench;
 use palpate_study::map::{
     Bounce, CellResult, Class, Done, Entry, Forces, Limit, MapParams, PHASES, Plant, RESTS_BELOW,
     Stay, bounds, compute, default_settings,
 };
+use palpate_study::sim::closed_loop::Bench;
 use palpate_testbed::device::DevicePlant;
 use palpate_testbed::pantograph::Pantograph;
 use palpate_testbed::sprung_mass::SprungMass;

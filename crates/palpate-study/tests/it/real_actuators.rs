@@ -31,8 +31,8 @@ fn every_draw_of_the_desk_lies_in_its_range_and_fills_it() {
         (
             "object",
             |p| match p.scene.contact.object_mass {
-                palpate::Mass::Finite(mass) => Some(mass),
-                palpate::Mass::Infinite => None,
+                palpate_core::Mass::Finite(mass) => Some(mass),
+                palpate_core::Mass::Infinite => None,
             },
             0.03,
             0.5,

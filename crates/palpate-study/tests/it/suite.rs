@@ -2,12 +2,12 @@
 #![allow(clippy::print_stdout)] // what was measured
 
 use crate::common::{PAPER_SCENES, experiments, scene};
-use palpate::{Mass, ParameterValue};
+use palpate_core::{Mass, ParameterValue};
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{Delay, SceneFile};
-use palpate_sim::closed_loop::Bench;
 use palpate_study::heights::over_heights;
 use palpate_study::json;
+use palpate_study::sim::closed_loop::Bench;
 use palpate_study::suite::report::SuiteReport;
 use palpate_study::suite::{
     Column, DELAYS, Evaluated, RandomPlant, Set, quantile, run, run_part, scores, summary,

@@ -3,7 +3,7 @@
 
 use crate::common::scene;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
-use palpate_sim::closed_loop::Bench;
+use palpate_study::sim::closed_loop::Bench;
 use palpate_study::tune::{HEIGHTS, Objective, TuneError, best, tune};
 
 fn grid(from: f64, step: f64, count: u32) -> Vec<f64> {

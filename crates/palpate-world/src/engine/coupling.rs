@@ -1,6 +1,6 @@
 //! The device side of a period: device estimates, proxy states and held forces.
 
-use palpate::Fault;
+use palpate_core::Fault;
 
 use super::contact_point::Touch;
 use super::image::{Image, ImageOffset};

@@ -1,6 +1,6 @@
 //! The three parts of a period.
 
-use palpate::Fault;
+use palpate_core::Fault;
 
 use super::body::{BodyNow, BodyWrench, EngineBody, Stepping};
 use super::coupling::Coupling;

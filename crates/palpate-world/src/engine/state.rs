@@ -1,7 +1,7 @@
 //! State between periods, and its readable part.
 
 use nalgebra::Vector6;
-use palpate::Fault;
+use palpate_core::Fault;
 
 use super::body::BodyNow;
 use super::image::ImageOffset;

@@ -1,6 +1,6 @@
 //! Basic rendering: the spring force at the sample.
 
-use palpate::Range;
+use palpate_core::Range;
 
 use super::one_per_tool;
 use crate::fault::out_of_range;

@@ -1,6 +1,6 @@
 //! Parameters of coupled rendering, and their checks.
 
-use palpate::Range;
+use palpate_core::Range;
 
 use super::coupled::Coupled;
 use crate::axes::Axes;

@@ -3,7 +3,7 @@
 //! Zilles and Salisbury, "A constraint-based god-object method for haptic display", IROS 1995; Ruspini, Kolarov and
 //! Khatib, SIGGRAPH 1997, for a proxy with a radius.
 
-use palpate::Range;
+use palpate_core::Range;
 
 use super::god_object_proxy::{Constraint, Proxy, limit_slip, nearest_allowed};
 use crate::contact_point::Held;

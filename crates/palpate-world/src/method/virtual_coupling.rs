@@ -1,6 +1,6 @@
 //! Classic virtual coupling: a spring and a damper between the device and a proxy with mass.
 
-use palpate::Range;
+use palpate_core::Range;
 
 use crate::fault::out_of_range;
 use crate::interval::advance;

@@ -1,6 +1,6 @@
 //! For any samples, a tick returns finite forces within their limit.
 
-use palpate::Fault;
+use palpate_core::Fault;
 use palpate_world::{
     BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Sample, Shape,
     Tool, Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,

@@ -32,18 +32,20 @@ fn difference(sub_steps: SubSteps) -> (f64, usize) {
     let renderer = WorldRenderer::new(&world, loop_params, method).unwrap();
     let mut state = renderer.start();
 
-    let core = palpate::Renderer::new(
-        palpate::Contact::object(STIFFNESS, BALL),
-        palpate::LoopParams::new(PERIOD),
-        palpate::CoupledParams::new(MASS),
+    let core = palpate_core::Renderer::new(
+        palpate_core::Contact::object(STIFFNESS, BALL),
+        palpate_core::LoopParams::new(PERIOD),
+        palpate_core::CoupledParams::new(MASS),
     );
     let core = core.unwrap();
-    let mut line = core.start(palpate::ObjectState::at_rest(0.01)).unwrap();
+    let mut line = core
+        .start(palpate_core::ObjectState::at_rest(0.01))
+        .unwrap();
 
     let (mut position, mut velocity, push) = (0.0, 0.0, 0.9);
     let (mut worst, mut largest, mut pressed) = (0.0_f64, 0.0_f64, 0);
     for _ in 0..400 {
-        let sample = palpate::Sample::at(position).with_virtual_force(weight);
+        let sample = palpate_core::Sample::at(position).with_virtual_force(weight);
         let on_line = core.step(&mut line, sample).force_on_device;
         let output = renderer.step(&mut state, &Sample::at(&[[0.0, 0.0, position]]));
         let [across, aside, along] = output.forces[0];

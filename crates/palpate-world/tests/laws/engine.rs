@@ -1,6 +1,6 @@
 //! Contact with the bodies of another engine: the forces equal those of a world that palpate simulates.
 
-use palpate::Fault;
+use palpate_core::Fault;
 use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, EngineState, PlacedShape, Stepping,
 };

@@ -1,7 +1,7 @@
 //! Zero-order-hold bound: with devices and hands known exactly, each held force is the interval mean of the ideal
 //! one.
 
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_world::{
     BasicParams, Body, ContactLaw, CoupledParams, Free, Prior, Sample, SubSteps, Vector,
     VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,

@@ -1,7 +1,7 @@
 //! Passivity guard: energy delivered to the hands in a faulty loop, and by adversarial device motions.
 
 use nalgebra::UnitQuaternion;
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_world::{
     BasicParams, Contact, ContactLaw, CoupledParams, Free, GodObjectParams, Party, Quaternion,
     Sample, Shape, Tool, Vector, VirtualCouplingParams, World, WorldGuard, WorldGuardParams,

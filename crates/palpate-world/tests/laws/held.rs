@@ -1,5 +1,5 @@
 //! Scenes held for a long time, for any method: a cube between two fingers, a point in a groove, a light box on a
-//! tool. Devices and hands are those of [`crate::ideal`]. Each scene returns `None` if a sample was rejected.
+//! tool. Devices and hands are those of [`ideal`](super::ideal). Each scene returns `None` if a sample was rejected.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 use palpate_world::{
@@ -7,8 +7,8 @@ use palpate_world::{
     WorldMethod, WorldRenderer,
 };
 
-use crate::common::{plane, world};
-use crate::ideal::{Ball, Ideal, Law, dot, hold};
+use super::common::{plane, world};
+use super::ideal::{Ball, Ideal, Law, dot, hold};
 
 /// Returns devices without a world, which the renderer simulates.
 fn devices(balls: Vec<Ball>) -> Ideal {

@@ -31,7 +31,7 @@ fn an_orientation_that_is_none_gives_no_wrench_and_a_fault() {
         let fault = output.fault.unwrap();
         assert_eq!(
             fault.fault,
-            palpate::Fault::OrientationNotUnit,
+            palpate_core::Fault::OrientationNotUnit,
             "{orientation:?}"
         );
         assert_eq!(fault.tool, Some(0));
@@ -49,7 +49,10 @@ fn an_orientation_that_is_none_gives_no_wrench_and_a_fault() {
     let half = 0.5_f64;
     let leapt = [[half.cos(), 0.0, 0.0, half.sin()]];
     let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&leapt));
-    assert_eq!(output.fault.unwrap().fault, palpate::Fault::JumpTooFast);
+    assert_eq!(
+        output.fault.unwrap().fault,
+        palpate_core::Fault::JumpTooFast
+    );
     let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&leapt));
     assert_eq!(output.fault, None);
 }
@@ -85,6 +88,6 @@ fn a_tool_that_spins_is_pushed() {
         let shaken = [[half.cos(), 0.0, 0.0, half.sin()]];
         let output = renderer.step(&mut state, &Sample::at(&pressed).turned(&shaken));
         let fault = output.fault.map(|fault| fault.fault);
-        assert_eq!(fault, Some(palpate::Fault::JumpTooFast), "{sample}");
+        assert_eq!(fault, Some(palpate_core::Fault::JumpTooFast), "{sample}");
     }
 }

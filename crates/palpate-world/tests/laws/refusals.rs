@@ -1,7 +1,7 @@
 //! Descriptions that cannot be rendered are rejected with cause and allowed values.
 #![allow(missing_docs)]
 
-use palpate::Actuation;
+use palpate_core::Actuation;
 use palpate_world::{
     BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Hull, Mesh, Motion, Party, Prior,
     Shape, SubSteps, Tool, World, WorldError, WorldGuard, WorldGuardParams, WorldLoop, WorldMethod,

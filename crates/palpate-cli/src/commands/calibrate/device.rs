@@ -4,20 +4,22 @@
 use std::sync::Arc;
 use std::thread::Builder;
 
+use crate::devices::Watched;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::{Heartbeat, SafetyParams};
 use palpate_scene::{Scene, SceneFile};
-use palpate_session::{Guarding, ShakeError, Shaker, Watched};
 use palpate_study::calibrate::ExcitationParams;
 use palpate_study::calibration::ExcitedMotion;
+use palpate_study::device_loop::{ShakeError, Shaker};
 
 use super::CalibrateArguments;
 use crate::commands::run::request;
 use crate::commands::simulate::read_scene;
 use crate::devices::{Opened, open};
 use crate::failure::{Failure, tell};
+use crate::reports::Guarding;
 use crate::values::duration;
 
 /// Default device and hand of `--device simulated`.

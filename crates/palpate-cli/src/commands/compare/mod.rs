@@ -4,7 +4,7 @@ mod world;
 
 use palpate_scene::SetupError;
 use palpate_scene::method::MethodName;
-use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_study::sim::closed_loop::{Bench, LoopError};
 
 use super::simulate::{AnyScene, explain, read_any};
 use crate::arguments::{CompareArguments, Flags, TimingFlags};

@@ -5,10 +5,10 @@ mod made;
 use std::fmt::Write;
 use std::path::Path;
 
-use palpate::{Actuation, Contact, LoopParams, ObjectState};
+use palpate_core::{Actuation, Contact, LoopParams, ObjectState};
 use palpate_record::trace::Trace;
 use palpate_scene::method::{MethodName, Settings};
-use palpate_sim::replay::ReplaySetup;
+use palpate_study::sim::replay::ReplaySetup;
 
 use super::figure;
 use super::render::render;
@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::print;
 use made::Made;
-use palpate_figure::{Picture, Size};
+use palpate_plot::figure::{Picture, Size};
 use palpate_plot::{Devices, RunsFigure, paper};
 use palpate_study::report::{DemoReport, Report, Subject};
 
@@ -93,7 +93,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
 
 /// Draws a figure in its natural size.
 fn svg(figure: &impl Picture) -> Vec<u8> {
-    let text = palpate_figure::svg(figure, Size::NATURAL);
+    let text = palpate_plot::figure::svg(figure, Size::NATURAL);
     text.expect("a figure fits its own size").into_bytes()
 }
 

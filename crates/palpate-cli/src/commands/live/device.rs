@@ -3,11 +3,11 @@
 use palpate_device::clock::MonotonicClock;
 use palpate_live::{Devices, Placed};
 use palpate_scene::Scene;
-use palpate_session::Guarding;
-use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
+use palpate_study::sim::device::{PointerDevice, PointerHand, PointerParams};
 
 use crate::devices::{DeviceArguments, DeviceName, Opened, open};
 use crate::failure::Failure;
+use crate::reports::Guarding;
 
 /// Whether any number of this device can exist.
 fn is_virtual(device: DeviceName) -> bool {

@@ -11,7 +11,6 @@ use palpate_device::clock::MonotonicClock;
 use palpate_live::{Home, LaneEnd, Session, Setup, Written};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
-use palpate_session::{RunReport, Subject, WatchdogReport};
 
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
@@ -22,6 +21,7 @@ use super::simulate::{AnyScene, read_any};
 use crate::devices::{DeviceName, replayed};
 use crate::failure::{Failure, tell};
 use crate::recorded::{open as open_recording, whole_or_said};
+use crate::reports::{RunReport, Subject, WatchdogReport};
 use crate::results::print;
 use crate::values::duration;
 use palpate_study::recording::{in_a_line, put_scene};

@@ -5,8 +5,8 @@ use std::path::Path;
 use palpate_device::clock::MonotonicClock;
 use palpate_live::{Home, MAX_LANES, Session, WorldLane, WorldLaneEnd, WorldSetup};
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_session::{Energies, NotRendered, RunReport, Subject, WatchdogReport, lacking_axes};
-use palpate_sim::device::SpatialHand;
+use palpate_study::device_loop::{NotRendered, lacking_axes};
+use palpate_study::sim::device::SpatialHand;
 
 use super::super::run::world::{known_flags, on_devices};
 use super::super::run::{Asked, guarding, outcome, request};
@@ -14,6 +14,7 @@ use super::serving::{listen, serve};
 use super::{LiveArguments, add};
 use crate::devices::{DeviceName, kinds, names, open_for_world};
 use crate::failure::{Failure, tell};
+use crate::reports::{Energies, RunReport, Subject, WatchdogReport};
 use crate::results::print;
 use crate::values::duration;
 use crate::worlds::{self, wrong_world};

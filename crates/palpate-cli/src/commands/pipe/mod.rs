@@ -7,7 +7,7 @@ mod world;
 use std::io;
 
 use crate::pipe::{Changeable, Format, Memory, PipeSummary, Stream, rendering};
-use palpate::LARGEST_DELAY;
+use palpate_core::LARGEST_DELAY;
 use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;

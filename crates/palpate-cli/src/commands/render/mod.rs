@@ -8,10 +8,10 @@ use std::path::Path;
 
 use palpate_record::trace::{HeldTrace, Trace};
 use palpate_scene::method::{MethodName, Settings};
-use palpate_sim::closed_loop::LoopError;
-use palpate_sim::hand_replay::Recording as OfAHand;
-use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
-use palpate_sim::run::{MAX_PERIODS, Run};
+use palpate_study::sim::closed_loop::LoopError;
+use palpate_study::sim::hand_replay::Recording as OfAHand;
+use palpate_study::sim::replay::{Replay, ReplayError, ReplaySetup};
+use palpate_study::sim::run::{MAX_PERIODS, Run};
 use palpate_testbed::reference::ReferenceError;
 
 use super::hand_replay::{Recorded, ReplayRuns, close_loop};

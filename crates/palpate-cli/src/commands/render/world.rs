@@ -4,8 +4,8 @@ use std::path::Path;
 
 use palpate_record::files::outputs::Outputs;
 use palpate_scene::world::WorldFile;
-use palpate_sim::world::{WorldBench, WorldBenchError};
 use palpate_study::report::RecordedMotion;
+use palpate_study::sim::world::{WorldBench, WorldBenchError};
 use palpate_study::world::{WorldReport, forces};
 use palpate_testbed::world::LedPath;
 

@@ -5,12 +5,12 @@ mod world;
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use palpate::Parameter;
+use palpate_core::Parameter;
 use palpate_record::recording::Recording;
 use palpate_scene::{SceneFile, SetupError};
-use palpate_session::RecordedWorld;
-use palpate_sim::closed_loop::LoopError;
-use palpate_sim::replay::ReplayError;
+use palpate_study::device_loop::RecordedWorld;
+use palpate_study::sim::closed_loop::LoopError;
+use palpate_study::sim::replay::ReplayError;
 use palpate_testbed::reference::ReferenceError;
 
 use super::hand_replay::{tell_step, warn_beyond_reach, wrong_hand};

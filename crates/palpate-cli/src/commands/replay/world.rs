@@ -2,7 +2,7 @@
 
 use palpate_record::files::outputs::Outputs;
 use palpate_record::recording::Recording;
-use palpate_session::{RecordedWorld, RecordedWorldError};
+use palpate_study::device_loop::{RecordedWorld, RecordedWorldError};
 
 use super::ReplayArguments;
 use crate::commands::render::deliver_world;

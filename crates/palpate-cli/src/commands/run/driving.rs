@@ -3,16 +3,17 @@
 use std::path::Path;
 use std::time::Duration;
 
+use crate::devices::drive as drive_loop;
 use palpate_device::Device;
 use palpate_device::clock::Clock;
 use palpate_record::recording::{Recording, RecordingMetadata};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::{Account, ControlLoop, LoopEnd, Renders, StopFlag};
-use palpate_session::{Guarding, drive as drive_loop};
 
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use crate::recorded::open as open_recording;
+use crate::reports::Guarding;
 use crate::values::duration;
 
 /// A finished loop.

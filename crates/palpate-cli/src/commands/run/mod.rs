@@ -14,7 +14,6 @@ use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, SetupError, metadata};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, Timing};
-use palpate_session::{Guarding, RunReport, Subject};
 use palpate_study::recording::put_scene;
 
 pub use arguments::{
@@ -29,6 +28,7 @@ use crate::values::duration;
 use driving::{Ran, drive, most_periods};
 
 use super::simulate::{AnyScene, read_any};
+use crate::reports::{Guarding, RunReport, Subject};
 
 /// Runs a loop, and records it on request.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {

@@ -8,12 +8,13 @@ use palpate_record::recording::RecordingMetadata;
 use palpate_rt::realtime::Request;
 use palpate_rt::{ControlLoop, OnDevice, RenderedWorld, SetupError, metadata_of_devices};
 use palpate_scene::world::WorldFile;
-use palpate_session::{Energies, NotRendered, RunReport, Subject, lacking_axes, rendered};
+use palpate_study::device_loop::{NotRendered, lacking_axes, rendered};
 
 use super::driving::{Ran, drive, most_periods};
 use super::{Asked, SafetyArguments, SessionArguments, guarding, limits, outcome, request};
 use crate::devices::{FLAGS_OF_A_DEVICE, OpenedInWorld, names, open_for_world};
 use crate::failure::{Failure, tell};
+use crate::reports::{Energies, RunReport, Subject};
 use crate::results::print_report;
 use crate::values::duration;
 use crate::worlds::{self, wrong_world};

@@ -13,7 +13,7 @@ use palpate_scene::{
     Intention, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError, beside,
     period_question,
 };
-use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_study::sim::closed_loop::{Bench, LoopError};
 use palpate_testbed::reference::ReferenceError;
 
 use crate::arguments::{Flags, SimulateArguments, TimingFlags};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use palpate_scene::world::WorldFile;
-use palpate_sim::world::{WorldBench, WorldBenchError};
+use palpate_study::sim::world::{WorldBench, WorldBenchError};
 use palpate_study::world::WorldReport;
 
 use crate::arguments::SimulateArguments;

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use palpate::Fault;
+use palpate_core::Fault;
 use palpate_device::Wrench;
 use palpate_record::unit::HandMotion;
 use palpate_rt::BoundedWorld;

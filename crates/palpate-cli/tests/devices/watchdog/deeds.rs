@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use palpate::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
+use palpate_core::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_haply::two_diy::{Calibration, Generation, Options, TwoDiy};

@@ -6,7 +6,7 @@ pub mod schema;
 
 use std::path::{Path, PathBuf};
 
-use palpate::{
+use palpate_core::{
     AnyParams, CoupledParams, HfcrParams, PopcParams, PopcRefParams, SehParams, VirtualDamperParams,
 };
 use serde_json::Value;

@@ -8,8 +8,8 @@ use palpate_record::recording::{
 };
 use palpate_scene::method::MethodName;
 use palpate_scene::{Jitter, SceneFile};
-use palpate_sim::closed_loop::Bench;
-use palpate_sim::run::Run;
+use palpate_study::sim::closed_loop::Bench;
+use palpate_study::sim::run::Run;
 
 /// Runs a committed scene with early and late samples by a method. Returns its text and its run.
 pub fn loop_of(name: &str, method: MethodName) -> (String, Run) {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use palpate::AlongAxis;
+use palpate_core::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 use palpate_live::{Devices, Home, Listening, Placed, Server, Session, SessionError, Setup};
@@ -16,7 +16,7 @@ use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
-use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
+use palpate_study::sim::device::{PointerDevice, PointerHand, PointerParams};
 use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};

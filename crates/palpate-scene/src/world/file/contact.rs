@@ -1,6 +1,6 @@
 //! The table `[[contact]]` of a world.
 
-use palpate::Range;
+use palpate_core::Range;
 use palpate_world::{Contact, ContactLaw, WorldField as Field, WorldPart, out_of_range};
 use serde::Deserialize;
 use toml::Spanned;

@@ -9,12 +9,12 @@ mod written;
 
 use std::path::{Path, PathBuf};
 
-use palpate::{AnyParams, HfcrParams, Mass, Parameter, ParameterError, ParameterValue, Side};
+use palpate_core::{AnyParams, HfcrParams, Mass, Parameter, ParameterError, ParameterValue, Side};
 use palpate_scene::method::{MethodName, SettingKey, UnknownMethod, method_named};
 use palpate_scene::{
     Delay, Dropped, Jitter, Measure, RateCollapse, Scene, SceneFile, Timing, beside,
 };
-use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_study::sim::closed_loop::{Bench, LoopError};
 
 /// A good file with every key there is, but duration_s.
 const GOOD: &str = r#"scene_format = 1
@@ -249,8 +249,8 @@ fn what_is_left_out_takes_its_documented_default() {
     );
     assert_eq!(scene.loop_params.force_limit, None);
     // K T = 8 N s/m; the object rests out of contact and stores nothing.
-    let reference = palpate::PopcRefParams::new(24.0);
-    let popc = palpate::PopcParams {
+    let reference = palpate_core::PopcRefParams::new(24.0);
+    let popc = palpate_core::PopcParams {
         damping_cap: 24.0,
         speed_threshold: 1e-4,
         initial_energy: 0.0,
@@ -259,11 +259,11 @@ fn what_is_left_out_takes_its_documented_default() {
         (MethodName::Basic, AnyParams::Basic),
         (
             MethodName::Seh,
-            AnyParams::Seh(palpate::SehParams::default()),
+            AnyParams::Seh(palpate_core::SehParams::default()),
         ),
         (
             MethodName::VirtualDamper,
-            AnyParams::VirtualDamper(palpate::VirtualDamperParams::new(4.0)),
+            AnyParams::VirtualDamper(palpate_core::VirtualDamperParams::new(4.0)),
         ),
         (MethodName::Popc, AnyParams::Popc(popc)),
         (MethodName::PopcRef, AnyParams::PopcRef(reference)),

@@ -1,6 +1,6 @@
 //! The table of settings in the documentation says what the methods' own files say.
 
-use palpate::all_settings;
+use palpate_core::all_settings;
 use palpate_scene::method::{MethodName, Setting, SettingValues};
 
 /// Returns a row for each setting; methods with the same description share a row.

@@ -328,7 +328,7 @@ fn the_scene_files_say_the_same_scenes() {
         let mut devices = file["device"].as_array().unwrap().iter();
         devices.all(|device| device.get("inertia_kg_m2").is_none())
     };
-    // Moving meshes, hulls, capsules and cylinders exist only in files: see `crates/palpate-sim/tests/it/worlds.rs`.
+    // Moving meshes, hulls, capsules and cylinders exist only in files: see `crates/palpate-study/tests/it/worlds.rs`.
     // The same applies to the bowl (`hard_worlds.rs` there) and scenes of six axes (`six_axes.rs`).
     let in_files_only = ["angle", "bowl", "cairn", "cans", "gem", "knob", "logs"];
     let is_in_code = |path: &Path| {

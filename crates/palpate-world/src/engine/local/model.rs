@@ -1,7 +1,7 @@
 //! Model published by a host, and its checks.
 
 use nalgebra::UnitVector3;
-use palpate::Range;
+use palpate_core::Range;
 
 use super::params::LocalParams;
 use crate::engine::body::BodyNow;

@@ -1,6 +1,6 @@
 //! Non-finite numbers, and motions that overflow.
 
-use palpate::Fault;
+use palpate_core::Fault;
 use palpate_world::engine::BodyNow;
 use palpate_world::engine::local::{LocalContact, LocalParams};
 use palpate_world::{ContactLaw, Sample};

@@ -1,0 +1,499 @@
+//! The device of a world, which moves along three axes, each by itself.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use palpate_device::clock::Clock;
+use palpate_device::{Capabilities, Cut, Device, DeviceError, Pose, Vector, Wrench, ZeroWriter};
+use palpate_scene::ActuatorParams;
+use palpate_scene::world::{WorldActuator, WorldDevice};
+use palpate_testbed::InvalidParameter;
+use palpate_testbed::actuator::Actuator;
+use palpate_testbed::device::DevicePlant as Moved;
+use palpate_testbed::hand::{Hand, Intention, Sinusoid};
+use palpate_testbed::held_mass::HeldMass;
+use palpate_testbed::hold::DelayedHold;
+use palpate_testbed::measure::Sampler;
+use palpate_testbed::world::HeldTurning;
+
+use super::turning_pointer::{TurningPointer, TurningWish};
+use super::{PointerDevice, PointerHand, PointerParams};
+use crate::sim::world::reference_turning;
+
+/// Most forces that begin later: those of the longest delay that a scene can state.
+const MAX_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
+
+/// The device of a world with its hand, simulated on the loop's clock. Along each of its axes it is a mass in a hand,
+/// with the parameters of the scene. The hand also turns a six-axis device.
+#[derive(Clone, Debug)]
+pub struct SpatialDevice<C> {
+    clock: C,
+    capabilities: Capabilities,
+    /// The device in the scene, which defines its axes.
+    device: WorldDevice,
+    axes: [Axis; 3],
+    /// Rotation of a six-axis device.
+    turning: Option<HeldTurning>,
+    moved_until: Option<Duration>,
+    /// Wrench that the motors hold on the device.
+    held: Wrench,
+    /// Last written wrench.
+    written: Wrench,
+    /// Time from a write to the beginning of its force.
+    late: Duration,
+    /// Wrenches that begin later, with the instant of each, oldest first.
+    later: VecDeque<(Duration, Wrench)>,
+    cut: Cut,
+}
+
+/// One axis.
+#[derive(Clone, Debug)]
+enum Axis {
+    /// The mass in its hand, its motor and its sensor.
+    Moves {
+        mass: Box<HeldMass>,
+        motor: Actuator,
+        sensor: Sampler,
+    },
+    /// The device lacks it: its mechanism holds it at this place `[m]`.
+    Stays(f64),
+}
+
+impl Axis {
+    fn position(&self) -> f64 {
+        match self {
+            Self::Moves { mass, .. } => mass.position(),
+            Self::Stays(position) => *position,
+        }
+    }
+
+    fn measured(&self) -> f64 {
+        match self {
+            Self::Moves { mass, sensor, .. } => sensor.sample(mass.position()),
+            Self::Stays(position) => *position,
+        }
+    }
+}
+
+impl<C: Clock> SpatialDevice<C> {
+    /// Creates a device and its hand, with motors that follow the model `actuator`.
+    ///
+    /// # Errors
+    /// A quantity of the device, the hand or the motors is out of range.
+    pub fn new(
+        device: &WorldDevice,
+        actuator: &WorldActuator,
+        clock: C,
+    ) -> Result<Self, InvalidParameter> {
+        let motors = ActuatorParams {
+            gain: actuator.gain,
+            lag: actuator.lag,
+        };
+        let turning = device.turning.as_ref().map(reference_turning);
+        let turning = turning
+            .map(|turning| HeldTurning::checked(&turning, motors))
+            .transpose()?;
+        let axis = |number: usize| -> Result<Axis, InvalidParameter> {
+            let hand = &device.hand;
+            let own = |vector: Vector| device.own(vector)[number];
+            let (force, mass) = (own(hand.force), device.mass[number]);
+            if mass == f64::INFINITY {
+                return Ok(Axis::Stays(own(device.position)));
+            }
+            let tremor = (hand.tremor.amplitude > 0.0).then(|| Sinusoid {
+                amplitude: hand.tremor.amplitude,
+                frequency_hz: hand.tremor.frequency_hz,
+                phase: -std::f64::consts::TAU * number as f64 / 3.0,
+            });
+            let hand = if hand.stiffness > 0.0 || hand.damping > 0.0 {
+                Hand::Impedance {
+                    mass: 0.0,
+                    stiffness: hand.stiffness,
+                    damping: hand.damping,
+                    intention: Intention::constant(own(hand.rest)),
+                    force,
+                    tremor,
+                }
+            } else {
+                Hand::ConstantForce { force, tremor }
+            };
+            let mass = HeldMass::new(mass, hand)?
+                .starting_at(own(device.position), own(device.velocity))?;
+            Ok(Axis::Moves {
+                mass: Box::new(mass),
+                motor: Actuator::new(motors)?,
+                sensor: sensor(device.quantum[number])?,
+            })
+        };
+        Ok(Self {
+            clock,
+            capabilities: capabilities("simulated", device),
+            device: *device,
+            axes: [axis(0)?, axis(1)?, axis(2)?],
+            turning,
+            moved_until: None,
+            held: Wrench::NONE,
+            written: Wrench::NONE,
+            late: Duration::try_from_secs_f64(actuator.delay).unwrap_or_default(),
+            later: VecDeque::with_capacity(MAX_LATER),
+            cut: Cut::none(),
+        })
+    }
+
+    /// True position `[m]`, at the last call.
+    #[must_use]
+    pub fn position(&self) -> Vector {
+        self.device.out(self.axes.each_ref().map(Axis::position))
+    }
+
+    /// Returns the true orientation at the last call, a unit quaternion `[w, x, y, z]`; `None` for a three-axis device.
+    #[must_use]
+    pub fn orientation(&self) -> Option<[f64; 4]> {
+        self.turning.as_ref().map(HeldTurning::orientation)
+    }
+
+    /// Moves on to now, and returns that.
+    fn move_on(&mut self) -> Duration {
+        let now = self.clock.now();
+        let mut from = *self.moved_until.get_or_insert(now);
+        if let Some(cut) = self.cut.between(from, now) {
+            self.hold(from, cut);
+            self.held = Wrench::NONE;
+            self.later.clear();
+            from = cut;
+        }
+        self.hold(from, now);
+        self.moved_until = Some(now);
+        now
+    }
+
+    /// Moves under what is held, and under what begins on the way.
+    fn hold(&mut self, mut from: Duration, until: Duration) {
+        while let Some(&(begins, wrench)) = self.later.front()
+            && begins <= until
+        {
+            self.advance(begins.saturating_sub(from));
+            from = from.max(begins);
+            self.held = wrench;
+            self.later.pop_front();
+        }
+        self.advance(until.saturating_sub(from));
+    }
+
+    fn advance(&mut self, duration: Duration) {
+        let duration = duration.as_secs_f64();
+        if duration > 0.0 {
+            if let Some(turning) = &mut self.turning {
+                let _ = turning.advance(self.held.torque, duration);
+            }
+            let held = self.device.own(self.held.force);
+            for (axis, force) in self.axes.iter_mut().zip(held) {
+                if let Axis::Moves { mass, motor, .. } = axis {
+                    // The testbed has the force on the object, which is the other one.
+                    motor.drive(&mut **mass, -force, duration);
+                }
+            }
+        }
+    }
+}
+
+impl<C: Clock> Device for SpatialDevice<C> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Pose, DeviceError> {
+        let time = self.move_on();
+        let position = self.device.out(self.axes.each_ref().map(Axis::measured));
+        Ok(Pose {
+            orientation: self.turning.as_ref().map(HeldTurning::measured),
+            ..Pose::at(position, time)
+        })
+    }
+
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        let now = self.move_on();
+        self.cut.is_over();
+        // Motors that it has.
+        self.written = if self.capabilities.torque_axes == 0 {
+            Wrench::of_force(wrench.force)
+        } else {
+            wrench
+        };
+        if self.late > Duration::ZERO {
+            if self.later.len() == MAX_LATER {
+                self.later.pop_front();
+            }
+            self.later.push_back((now + self.late, self.written));
+        } else {
+            self.held = self.written;
+        }
+        Ok(self.held)
+    }
+
+    fn last_sent(&self) -> Option<Wrench> {
+        Some(self.written)
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        Some(self.cut.writer(&self.clock))
+    }
+}
+
+/// Target position and orientation of a pointer's hand in a world; any thread may set them at any time.
+#[derive(Clone, Debug)]
+pub struct SpatialHand {
+    along: [PointerHand; 3],
+    turned: TurningWish,
+    /// The device that it holds, which has axes. The loop does not look at it.
+    device: Arc<Mutex<Option<WorldDevice>>>,
+}
+
+impl SpatialHand {
+    /// Creates a hand that holds its device at a target `[m]`.
+    #[must_use]
+    pub fn at(target: Vector) -> Self {
+        Self {
+            along: target.map(PointerHand::at),
+            turned: TurningWish::none(),
+            device: Arc::new(Mutex::new(None)),
+        }
+    }
+
+    /// The device that it holds, where one is known.
+    fn device(&self) -> Option<WorldDevice> {
+        *self.device.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Holds this device from now on, where it wanted to hold one.
+    fn take(&self, device: &WorldDevice) {
+        let target = self.target();
+        *self.device.lock().unwrap_or_else(PoisonError::into_inner) = Some(*device);
+        if let Some(target) = target {
+            self.move_to(target);
+        }
+    }
+
+    /// Whether it holds a device.
+    fn holds(&self) -> bool {
+        self.along.iter().all(|hand| hand.target().is_some())
+    }
+
+    /// Sets the target position `[m]`, and grips the device again if the hand had released it. Non-finite coordinates
+    /// are ignored.
+    pub fn move_to(&self, target: Vector) {
+        let target = self.device().map_or(target, |device| device.own(target));
+        for (hand, target) in self.along.iter().zip(target) {
+            hand.move_to(target);
+        }
+    }
+
+    /// Lets go of the device.
+    pub fn disable_output(&self) {
+        for hand in &self.along {
+            hand.disable_output();
+        }
+    }
+
+    /// Sets the target orientation of a six-axis device, a quaternion `[w, x, y, z]` of any length above 0. Invalid
+    /// quaternions are ignored.
+    pub fn turn_to(&self, orientation: [f64; 4]) {
+        self.turned.turn_to(orientation);
+    }
+
+    /// Wants it to be turned as it begins.
+    pub fn turn_back(&self) {
+        self.turned.forget();
+    }
+
+    /// Returns the target orientation of the device, a unit quaternion `[w, x, y, z]`; `None`: the initial orientation.
+    #[must_use]
+    pub fn orientation(&self) -> Option<[f64; 4]> {
+        self.turned.get()
+    }
+
+    /// Returns the target position `[m]`; `None` if the hand has released the device.
+    #[must_use]
+    pub fn target(&self) -> Option<Vector> {
+        let [x, y, z] = self.along.each_ref().map(PointerHand::target);
+        let own = [x?, y?, z?];
+        Some(self.device().map_or(own, |device| device.out(own)))
+    }
+}
+
+/// A device in a [`SpatialHand`]: along each of its axes a [`PointerDevice`] with the mass that the device has
+/// along it. One of six axes is turned by the hand, too.
+#[derive(Clone, Debug)]
+pub struct SpatialPointer<C> {
+    capabilities: Capabilities,
+    device: WorldDevice,
+    hand: SpatialHand,
+    axes: [PointerAxis<C>; 3],
+    turning: Option<TurningPointer<C>>,
+}
+
+impl<C: Clock> SpatialPointer<C> {
+    /// The device of a world in a pointer's hand: its masses, sensors and place at the start are the scene's, and so is
+    /// the delay, lag and gain of its motors. The hand is that of [`PointerParams::default`]; it turns the device with the stiffness
+    /// and damping of the scene's hand, or 0.3 N m/rad.
+    ///
+    /// # Errors
+    /// A quantity outside its range.
+    pub fn new(
+        device: &WorldDevice,
+        actuator: &WorldActuator,
+        hand: &SpatialHand,
+        clock: C,
+    ) -> Result<Self, InvalidParameter> {
+        hand.take(device);
+        let axis = |number: usize| -> Result<_, InvalidParameter> {
+            let position = device.own(device.position)[number];
+            if device.mass[number] == f64::INFINITY {
+                return Ok(PointerAxis::Stays(position));
+            }
+            let params = PointerParams {
+                device_mass: device.mass[number],
+                encoder_quantum: device.quantum[number],
+                position,
+                delay_seconds: actuator.delay,
+                actuator: ActuatorParams {
+                    gain: actuator.gain,
+                    lag: actuator.lag,
+                },
+                ..PointerParams::default()
+            };
+            let pointer = PointerDevice::new(params, &hand.along[number], clock.clone())?;
+            Ok(PointerAxis::Moves(Box::new(pointer)))
+        };
+        let turning = device.turning.as_ref();
+        let turning = turning
+            .map(|turning| TurningPointer::new(turning, actuator, &hand.turned, clock.clone()))
+            .transpose()?;
+        Ok(Self {
+            capabilities: capabilities("pointer", device),
+            hand: hand.clone(),
+            device: *device,
+            axes: [axis(0)?, axis(1)?, axis(2)?],
+            turning,
+        })
+    }
+}
+
+impl<C: Clock> Device for SpatialPointer<C> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Pose, DeviceError> {
+        // The clocks are read within microseconds: by less than the quantum of any sensor.
+        let mut position = [0.0; 3];
+        let mut last = Duration::ZERO;
+        for (axis, position) in self.axes.iter_mut().zip(&mut position) {
+            match axis {
+                PointerAxis::Moves(pointer) => {
+                    let read = pointer.read()?;
+                    [*position, ..] = read.position;
+                    last = read.time;
+                }
+                PointerAxis::Stays(place) => *position = *place,
+            }
+        }
+        let is_held = self.hand.holds();
+        let turning = self.turning.as_mut();
+        Ok(Pose {
+            orientation: turning.map(|turning| turning.read(is_held)),
+            ..Pose::at(self.device.out(position), last)
+        })
+    }
+
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        let mut held = [0.0; 3];
+        let force = self.device.own(wrench.force);
+        for ((axis, force), held) in self.axes.iter_mut().zip(force).zip(&mut held) {
+            if let PointerAxis::Moves(pointer) = axis {
+                [*held, ..] = pointer.write([force, 0.0, 0.0].into())?.force;
+            }
+        }
+        let is_held = self.hand.holds();
+        let torque = match &mut self.turning {
+            Some(turning) if self.capabilities.torque_axes > 0 => {
+                turning.write(wrench.torque, is_held)
+            }
+            _ => [0.0; 3],
+        };
+        Ok(Wrench {
+            force: self.device.out(held),
+            torque,
+        })
+    }
+
+    fn last_sent(&self) -> Option<Wrench> {
+        let mut sent = [0.0; 3];
+        for (axis, sent) in self.axes.iter().zip(&mut sent) {
+            if let PointerAxis::Moves(pointer) = axis {
+                [*sent, ..] = pointer.last_sent()?.force;
+            }
+        }
+        let turning = self.turning.as_ref();
+        Some(Wrench {
+            force: self.device.out(sent),
+            torque: turning.map_or([0.0; 3], TurningPointer::last_sent),
+        })
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        let pointers = self.axes.iter_mut().filter_map(|axis| match axis {
+            PointerAxis::Moves(pointer) => Some(pointer.zero_writer()),
+            PointerAxis::Stays(_) => None,
+        });
+        let mut all = pointers.collect::<Option<Vec<_>>>()?;
+        all.extend(self.turning.as_mut().map(TurningPointer::zero_writer));
+        Some(Box::new(AllZero(all)))
+    }
+}
+
+/// One axis of a [`SpatialPointer`].
+#[derive(Clone, Debug)]
+enum PointerAxis<C> {
+    Moves(Box<PointerDevice<C>>),
+    /// The device lacks it: its mechanism holds it at this place `[m]`.
+    Stays(f64),
+}
+
+/// Commands no force along all axes, and no torque.
+struct AllZero(Vec<Box<dyn ZeroWriter>>);
+
+impl ZeroWriter for AllZero {
+    fn write_zero(&mut self) {
+        for axis in &mut self.0 {
+            axis.write_zero();
+        }
+    }
+}
+
+fn capabilities(name: &str, device: &WorldDevice) -> Capabilities {
+    let mut masses = device.mass.into_iter().filter(|mass| mass.is_finite());
+    let first = masses.next();
+    let turning = device.turning.as_ref();
+    let gives_torque = turning.is_some_and(|turning| turning.gives_torque);
+    Capabilities {
+        torque_axes: if gives_torque { 3 } else { 0 },
+        measures_orientation: turning.is_some(),
+        effective_mass: first.filter(|first| masses.all(|mass| mass == *first)),
+        encoder_quantum: Some(device.quantum.into_iter().fold(0.0, f64::max)),
+        ..Capabilities::unknown(name, 3)
+    }
+}
+
+fn sensor(quantum: f64) -> Result<Sampler, InvalidParameter> {
+    if quantum > 0.0 {
+        Sampler::quantum(quantum)
+    } else {
+        Ok(Sampler::Ideal)
+    }
+}
+
+#[cfg(test)]
+#[path = "in_space_tests.rs"]
+mod tests;
