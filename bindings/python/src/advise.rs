@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::calibration::{NamedText, parse};
-use crate::checked::{NOT_NEGATIVE, PERIODS, above_zero, within};
+use crate::checked::{NOT_NEGATIVE, above_zero, within};
 use crate::fields::read;
 use crate::figures::drawn;
 use crate::interrupt::{Stop, interruptible};
@@ -173,13 +173,13 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> PyResult<B
             NOT_NEGATIVE,
             " m",
         ),
-        ("delay", bounce.delay, PERIODS, " periods"),
+        ("delay", arguments.delay.unwrap_or(0.0), NOT_NEGATIVE, " s"),
         ("lag", bounce.lag, NOT_NEGATIVE, " s"),
         (
             "delay_deviation",
             arguments.delay_deviation.unwrap_or(0.0),
             NOT_NEGATIVE,
-            " periods",
+            " s",
         ),
         (
             "lag_deviation",

@@ -32,10 +32,10 @@ pub struct MapArguments {
     encoder_quantum: f64,
     model_mass: f64,
     model_period: f64,
-    delay: f64,
-    lag: f64,
-    delay_deviation: f64,
-    lag_deviation: f64,
+    delay_periods: f64,
+    lag_periods: f64,
+    delay_deviation_periods: f64,
+    lag_deviation_periods: f64,
     forces: String,
 }
 
@@ -70,17 +70,22 @@ fn params(method: &Bound<'_, PyAny>, arguments: &MapArguments) -> PyResult<MapPa
             .filter(|method| named.contains(method))
             .collect(),
         device,
-        delay: within("delay", arguments.delay, PERIODS, " periods")?,
-        lag: within("lag", arguments.lag, PERIODS, " periods")?,
+        delay: within(
+            "delay_periods",
+            arguments.delay_periods,
+            PERIODS,
+            " periods",
+        )?,
+        lag: within("lag_periods", arguments.lag_periods, PERIODS, " periods")?,
         delay_deviation: within(
-            "delay_deviation",
-            arguments.delay_deviation,
+            "delay_deviation_periods",
+            arguments.delay_deviation_periods,
             NOT_NEGATIVE,
             " periods",
         )?,
         lag_deviation: within(
-            "lag_deviation",
-            arguments.lag_deviation,
+            "lag_deviation_periods",
+            arguments.lag_deviation_periods,
             NOT_NEGATIVE,
             " periods",
         )?,

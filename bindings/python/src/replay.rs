@@ -32,7 +32,7 @@ use crate::interrupt::{Stop, interruptible};
 use crate::methods::{chosen, settings};
 use crate::names::{refused, wrong_on_bench, wrong_replay};
 use crate::render::{Rendered, RenderedInPython};
-use crate::setup::{check_fact, check_periods, guard_named, side_named};
+use crate::setup::{check_fact, guard_named, side_named};
 use crate::worlds::{Evaluated, replay_world};
 
 /// Changes to the recording's scene; `None` keeps the recorded value.
@@ -72,6 +72,8 @@ impl Changes {
             (Parameter::VirtualForce, self.force),
             (Parameter::DeviceMass, self.device_mass),
             (Parameter::EncoderQuantum, self.encoder_quantum),
+            (Parameter::Delay, self.delay),
+            (Parameter::DelayDeviation, self.delay_deviation),
             (Parameter::Lag, self.lag),
             (Parameter::LagDeviation, self.lag_deviation),
             (Parameter::Gain, self.gain),
@@ -79,8 +81,6 @@ impl Changes {
         ] {
             check_fact(parameter, value)?;
         }
-        check_periods("delay", self.delay)?;
-        check_periods("delay_deviation", self.delay_deviation)?;
         if let Some(mass) = self.model_device_mass
             && !(mass.is_finite() && mass > 0.0)
         {
@@ -145,9 +145,9 @@ impl Changes {
     fn change_actuator(&self, scene: &mut Scene) {
         let period = scene.loop_params.period;
         let model = &mut scene.model;
-        if let Some(periods) = self.delay {
+        if let Some(delay) = self.delay {
             model.delay = None;
-            scene.delay = Delay::model_whole(periods, period);
+            scene.delay = Delay::from_seconds(delay, period);
         }
         if let Some(lag) = self.lag {
             model.lag = None;
@@ -157,8 +157,7 @@ impl Changes {
             model.gain = None;
             scene.actuator.gain = gain;
         }
-        let deviation = self.delay_deviation.map(|periods| periods * period);
-        model.delay_deviation = deviation.or(model.delay_deviation);
+        model.delay_deviation = self.delay_deviation.or(model.delay_deviation);
         model.lag_deviation = self.lag_deviation.or(model.lag_deviation);
         model.gain_deviation = self.gain_deviation.or(model.gain_deviation);
     }

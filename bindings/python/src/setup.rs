@@ -62,7 +62,6 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
         ));
     }
     let guard = guard_named(&given.guard)?;
-    let in_seconds = |periods: f64| periods * given.period;
     let setup = ReplaySetup {
         contact,
         loop_params: LoopParams {
@@ -80,10 +79,10 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
         },
         virtual_force: given.force,
         actuation: Actuation {
-            delay: in_seconds(given.delay),
+            delay: given.delay,
             lag: given.lag,
             gain: given.gain,
-            delay_deviation: in_seconds(given.delay_deviation),
+            delay_deviation: given.delay_deviation,
             lag_deviation: given.lag_deviation,
             gain_deviation: given.gain_deviation,
             transmission: None,
@@ -104,7 +103,8 @@ pub fn check_delay(setup: &ReplaySetup) -> PyResult<()> {
     let periods = samples as f64 + fraction;
     if periods > LARGEST_DELAY as f64 {
         return Err(refused(format!(
-            "delay is {periods} periods, but must be at most {LARGEST_DELAY}"
+            "delay is {} s, {periods} periods, but must be at most {LARGEST_DELAY} periods",
+            setup.actuation.delay
         )));
     }
     Ok(())
@@ -117,6 +117,8 @@ impl Arguments {
             (Parameter::VirtualForce, Some(self.force)),
             (Parameter::DeviceMass, self.device_mass),
             (Parameter::EncoderQuantum, Some(self.encoder_quantum)),
+            (Parameter::Delay, Some(self.delay)),
+            (Parameter::DelayDeviation, Some(self.delay_deviation)),
             (Parameter::Lag, Some(self.lag)),
             (Parameter::LagDeviation, Some(self.lag_deviation)),
             (Parameter::Gain, Some(self.gain)),
@@ -124,8 +126,7 @@ impl Arguments {
         ] {
             check_fact(parameter, value)?;
         }
-        check_periods("delay", Some(self.delay))?;
-        check_periods("delay_deviation", Some(self.delay_deviation))
+        Ok(())
     }
 }
 
@@ -140,17 +141,6 @@ pub fn check_fact(parameter: Parameter, value: Option<f64>) -> PyResult<()> {
         Some(value) if !range.contains(value) => {
             Err(not_allowed(parameter, value, Allowed::Range(range)))
         }
-        _ => Ok(()),
-    }
-}
-
-/// Rejects a negative or non-finite time in periods, if one is given.
-pub fn check_periods(name: &str, value: Option<f64>) -> PyResult<()> {
-    match value {
-        Some(value) if !Range::NotNegative.contains(value) => Err(refused(format!(
-            "{name} is {value} periods, but must be {}",
-            Range::NotNegative.allowed()
-        ))),
         _ => Ok(()),
     }
 }

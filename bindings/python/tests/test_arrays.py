@@ -351,8 +351,8 @@ def test_tables_of_scenes_take_arrays_and_numbers_of_numpy() -> None:
 def test_parts_on_many_machines_are_asked_for_by_numbers_of_numpy(root: Any, tmp_path: Any) -> None:
     """`palpate.distributed` takes no array; what it writes of its numbers is what plain numbers would be."""
     pytest.importorskip("pyarrow")
-    mine = distributed.map("basic", cells=np.int64(2), parts=np.int32(1), delay=np.float32(0.5))  # type: ignore[arg-type]
-    theirs = distributed.map("basic", cells=2, parts=1, delay=0.5)
+    mine = distributed.map("basic", cells=np.int64(2), parts=np.int32(1), delay_periods=np.float32(0.5))  # type: ignore[arg-type]
+    theirs = distributed.map("basic", cells=2, parts=1, delay_periods=0.5)
     for number, study in enumerate((mine, theirs)):
         folder = tmp_path / str(number)
         folder.mkdir()

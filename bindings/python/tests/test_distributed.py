@@ -52,11 +52,11 @@ def kill_one(client: Any, study: distributed.Study, folder: Path) -> int:
 
 
 def test_a_map_is_the_same_by_three_workers_of_which_one_is_killed(client: Any, program: Any, tmp_path: Path) -> None:
-    study = distributed.map(["basic", "coupled"], cells=8, parts=16, delay=0.5)
+    study = distributed.map(["basic", "coupled"], cells=8, parts=16, delay_periods=0.5)
     pid = kill_one(client, study, tmp_path / "map")
     assert pid not in client.run(os.getpid).values()
     assert study.missing(tmp_path / "map") == []
-    whole = palpate.map(["basic", "coupled"], cells=8, delay=0.5)
+    whole = palpate.map(["basic", "coupled"], cells=8, delay_periods=0.5)
     merged = study.merge(tmp_path / "map")
     assert merged.to_csv() == whole.to_csv() and merged.to_svg() == whole.to_svg()
     whole.pop("work")
@@ -66,7 +66,7 @@ def test_a_map_is_the_same_by_three_workers_of_which_one_is_killed(client: Any, 
         study.make(part, tmp_path)
     assert contents(tmp_path / "map") == contents(tmp_path)
     # A part has the same lines as a part of the program.
-    program("map", "--cells", 8, "--method", "basic,coupled", "--delay", 0.5, "--shard", "2/16", "--out", tmp_path / "part.csv")
+    program("map", "--cells", 8, "--method", "basic,coupled", "--delay-periods", 0.5, "--shard", "2/16", "--out", tmp_path / "part.csv")
     theirs = [line.split(",")[0] for line in (tmp_path / "part.csv").read_text().splitlines()[1:]]
     ours = parquet.read_table(tmp_path / study.file(2))
     assert [str(cell) for cell in ours["cell"].to_pylist()] == theirs and "growth_worst" in ours.column_names

@@ -24,9 +24,9 @@ flexible_mass_fraction = 0.5
 
 def test_a_map_is_that_of_the_program(program: Any, tmp_path: Path) -> None:
     out = tmp_path / "map.csv"
-    arguments = ["--cells", 2, "--method", "basic,coupled", "--delay", 0.5, "--encoder-quantum", 1e-5]
+    arguments = ["--cells", 2, "--method", "basic,coupled", "--delay-periods", 0.5, "--encoder-quantum", 1e-5]
     theirs = program.json("map", *arguments, "--out", out, "--plot", tmp_path / "map.svg")
-    ours = palpate.map(["coupled", "basic"], cells=2, delay=0.5, encoder_quantum=1e-5)
+    ours = palpate.map(["coupled", "basic"], cells=2, delay_periods=0.5, encoder_quantum=1e-5)
     assert ours.to_csv() == out.read_text() and ours.to_svg() == (tmp_path / "map.svg").read_text()
     # Ignore computing time and file paths.
     for each in (ours, theirs):
@@ -41,8 +41,8 @@ def test_a_map_is_that_of_the_program(program: Any, tmp_path: Path) -> None:
 
 
 def test_an_advice_is_that_of_the_program(program: Any, tmp_path: Path) -> None:
-    theirs = program.json("advise", "--device-mass", 0.25, "--period", 0.005, "--stiffness", 2000, "--mass", 0.1, "--delay", 1, "--method", "basic,hfcr")
-    ours = palpate.advise(device_mass=0.25, period=0.005, stiffness=2000, mass=0.1, delay=1, method=["basic", "hfcr"])
+    theirs = program.json("advise", "--device-mass", 0.25, "--period", 0.005, "--stiffness", 2000, "--mass", 0.1, "--delay", 0.005, "--method", "basic,hfcr")
+    ours = palpate.advise(device_mass=0.25, period=0.005, stiffness=2000, mass=0.1, delay=0.005, method=["basic", "hfcr"])
     assert ours == theirs
     text = program("advise", "--device-mass", 0.25, "--period", 0.005, "--method", "basic")
     assert str(palpate.advise(device_mass=0.25, period=0.005, method="basic")).strip() == text.strip()
@@ -56,7 +56,7 @@ def test_an_advice_is_that_of_the_program(program: Any, tmp_path: Path) -> None:
 def test_what_cannot_be_mapped_is_said() -> None:
     for call, said in [
         (lambda: palpate.map("basic", cells=1), "a map has 2 to 1000 cells along each axis, not 1"),
-        (lambda: palpate.map("basic", delay=-1), "delay is -1 periods, but must be 0 to 100"),
+        (lambda: palpate.map("basic", delay_periods=-1), "delay_periods is -1 periods, but must be 0 to 100"),
         (lambda: palpate.map("basic", model_mass=0), "model_mass is 0, but must be 0.001 to 1000"),
         (lambda: palpate.map("basic", viscous_friction=math.nan), "viscous_friction is NaN N s/m, but must be finite and not below 0"),
         (lambda: palpate.map("basic", forces="none"), 'forces is "none", but must be "balanced" or "weight"'),

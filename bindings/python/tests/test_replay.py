@@ -45,12 +45,12 @@ def world(program: Any, tmp_path_factory: Any) -> Path:
             {"method": "virtual-damper", "damping": 0.5, "stiffness": 300, "mass": np.inf, "force_limit": 2},
         ),
         (
-            ["--method", "coupled", "--delay", 1.5, "--lag", 0.002, "--gain", 0.9, "--object-position", 0.04],
-            {"method": "coupled", "delay": 1.5, "lag": 0.002, "gain": 0.9, "object_position": 0.04},
+            ["--method", "coupled", "--delay", 0.03, "--lag", 0.002, "--gain", 0.9, "--object-position", 0.04],
+            {"method": "coupled", "delay": 0.03, "lag": 0.002, "gain": 0.9, "object_position": 0.04},
         ),
         (
-            ["--method", "basic", "--delay", 1, "--unilateral", "--guard", "limit", "--guard-speed", 0.5],
-            {"method": "basic", "delay": 1, "unilateral": True, "guard": "limit", "guard_speed": 0.5},
+            ["--method", "basic", "--delay", 0.02, "--unilateral", "--guard", "limit", "--guard-speed", 0.5],
+            {"method": "basic", "delay": 0.02, "unilateral": True, "guard": "limit", "guard_speed": 0.5},
         ),
         (["--replay", "hand"], {"replay": "hand"}),
         (
@@ -166,7 +166,7 @@ def test_a_device_that_leaves_what_an_arm_reaches_is_said(program: Any, tap: Pat
         ({"mass": 0.0}, "mass is 0 kg, but must be "),
         ({"device_mass": 0.0}, "device_mass is 0 kg, but must be finite and greater than 0"),
         ({"model_device_mass": -1.0}, "model_device_mass is -1 kg, but must be finite and greater than 0"),
-        ({"delay": -1.0}, "delay is -1 periods, but must be finite and not below 0"),
+        ({"delay": -1.0}, "delay is -1 s, but must be finite and not below 0"),
         ({"lag": float("nan")}, "lag is NaN s, but must be"),
         ({"side": "left"}, 'side is "left", but must be "positive" or "negative"'),
         ({"guard": "on"}, 'guard is "on", but must be "off" or "report" or "limit"'),

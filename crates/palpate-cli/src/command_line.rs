@@ -106,7 +106,7 @@ scene.")]
 Examples:
   palpate simulate experiments/fig2.toml --method all --plot fig2.svg
   palpate simulate experiments/experiment2.toml --method virtual-damper --damping 4
-  palpate simulate experiments/wall.toml --stiffness 5000 --delay 1 --json
+  palpate simulate experiments/wall.toml --stiffness 5000 --delay-periods 1 --json
   palpate simulate experiments/fig2.toml --method all --jitter 0.002 --drop 0.05 --seeds 20")]
     Simulate(SimulateArguments),
     /// Compare methods on many scenes, in one table
@@ -168,7 +168,7 @@ A line `set stiffness_n_per_m=800 mass_kg=0.2 virtual_force_n=-1`, with any of t
 the pipe runs, over 0.1 s. It gets no line on standard output. Standard error confirms the change, or gives \
 the reason why nothing changes.
 
---delay is the number of periods from a line to the beginning of its force, --lag and --gain describe the \
+--delay is the time from a line to the beginning of its force, --lag and --gain describe the \
 actuator; each line is answered at once by the command for the actuator. When the input ends, a summary of the \
 energy ledger goes to standard error.")]
     #[command(after_help = "\
@@ -468,7 +468,7 @@ completed cells; --resume continues. Parts can be computed separately, on any ma
     #[command(after_help = "\
 Examples:
   palpate map --cells 9
-  palpate map --cells 9 --delay 1 --method hfcr,basic --out delayed.csv --json
+  palpate map --cells 9 --delay-periods 1 --method hfcr,basic --out delayed.csv --json
   palpate map --cells 9 --shard 1/3 --resume")]
     Map(MapArguments),
     /// Report whether a device can render a contact, and by which method

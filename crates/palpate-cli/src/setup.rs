@@ -29,7 +29,7 @@ impl TimingFlags {
             let Delay::Periods { fraction, .. } = &mut scene.delay else {
                 return Err(Failure::Arguments(format!(
                     "--delay-fraction {given}: the delay is {} s; a fraction requires a delay in whole samples, such \
-                     as `--delay 1`",
+                     as `--delay-periods 1`",
                     scene.delay.seconds()
                 )));
             };

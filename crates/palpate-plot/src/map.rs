@@ -427,7 +427,7 @@ fn footnote(map: &Map, numbers: &LoopNumbers, show: &[Quantity]) -> String {
     let mut unusual = String::new();
     for (key, usual, name) in [
         ("encoder_quantum_m", "0", "encoder quantum [m]"),
-        ("delay_samples", "0", "delay [samples]"),
+        ("delay_samples", "0", "delay [periods]"),
         ("lag_periods", "0", "lag [periods]"),
         (
             "delay_deviation_periods",

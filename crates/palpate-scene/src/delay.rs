@@ -43,15 +43,15 @@ impl Delay {
         }
     }
 
-    /// Returns a delay of `periods` periods of `period` `[s]` that the renderer's model contains entirely: whole
-    /// samples, or a time. A fraction of a period would be unmodelled.
+    /// Returns a delay of `seconds` `[s]` in a loop of `period` `[s]` that the renderer's model contains entirely:
+    /// whole samples if it is a whole number of periods, or a time. A fraction of a period would be unmodelled.
     #[must_use]
-    pub fn model_whole(periods: f64, period: f64) -> Self {
-        let delay = Self::of_periods(periods);
+    pub fn from_seconds(seconds: f64, period: f64) -> Self {
+        let delay = Self::of_periods(seconds / period);
         if delay.is_whole() {
             delay
         } else {
-            Self::Seconds(periods * period)
+            Self::Seconds(seconds)
         }
     }
 

@@ -512,10 +512,10 @@ def _scene(device: Device, renderer: Renderer) -> str | None:
         "device": table,
         "loop": {"period_s": period},
         "model": {
-            "delay_s": given["delay"] * period,
+            "delay_s": given["delay"],
             "lag_s": given["lag"],
             "gain": given["gain"],
-            "delay_deviation_s": given["delay_deviation"] * period,
+            "delay_deviation_s": given["delay_deviation"],
             "lag_deviation_s": given["lag_deviation"],
             "gain_deviation": given["gain_deviation"],
         },

@@ -37,8 +37,8 @@ class Renderer(Fixed, _palpate.Renderer):
         guard: Passivity guard, a bound on the generated energy: `"off"`, `"report"` or `"limit"`.
         guard_speed: Largest device speed that the guard assumes [m/s].
         guard_allowance: Generated energy that the guard tolerates [J].
-        delay: Time from a sample to the beginning of its force [periods], at most 8; fractions are allowed.
-        delay_deviation: Standard deviation of the delay [periods].
+        delay: Time from a sample to the beginning of its force [s], at most 8 periods.
+        delay_deviation: Standard deviation of the delay [s].
         lag: Time constant of the actuator [s].
         lag_deviation: Standard deviation of the lag [s].
         gain: Ratio of delivered to commanded force.

@@ -188,10 +188,10 @@ def map(
     encoder_quantum: float = 0.0,
     model_mass: float = 1.0,
     model_period: float = 1.0,
-    delay: float = 0.0,
-    lag: float = 0.0,
-    delay_deviation: float = 0.0,
-    lag_deviation: float = 0.0,
+    delay_periods: float = 0.0,
+    lag_periods: float = 0.0,
+    delay_deviation_periods: float = 0.0,
+    lag_deviation_periods: float = 0.0,
     forces: str = "balanced",
 ) -> Map:
     """Computes the contacts that each method can render, over stiffness and mass of the object, as `palpate map` does.
@@ -203,10 +203,10 @@ def map(
         encoder_quantum: Quantum of the device's position sensor [m].
         model_mass: Ratio of the model value of the device mass to the true mass.
         model_period: Ratio of the model value of the period to the true period.
-        delay: Time from a sample to the beginning of its force [periods].
-        lag: Time constant of the actuator [periods].
-        delay_deviation: Standard deviation of the delay in the renderer's model [periods].
-        lag_deviation: Standard deviation of the lag in the renderer's model [periods].
+        delay_periods: Time from a sample to the beginning of its force [periods].
+        lag_periods: Time constant of the actuator [periods].
+        delay_deviation_periods: Standard deviation of the delay in the renderer's model [periods].
+        lag_deviation_periods: Standard deviation of the lag in the renderer's model [periods].
         forces: Forces that press device and object together: `"balanced"` or `"weight"`.
 
     Returns:
@@ -248,9 +248,9 @@ def advise(
         viscous_friction: Viscous friction of the device [N s/m].
         coulomb_friction: Coulomb friction of the device [N].
         encoder_quantum: Quantum of the position sensor [m]; `None`: that of `device_file`, or 0.
-        delay: Time from a sample to the beginning of its force [periods]; `None`: that of `device_file`, or 0.
+        delay: Time from a sample to the beginning of its force [s]; `None`: that of `device_file`, or 0.
         lag: Time constant of the actuator [s]; `None`: that of `device_file`, or 0.
-        delay_deviation: Standard deviation of the delay [periods]; `None`: that of `device_file`, or 0.
+        delay_deviation: Standard deviation of the delay [s]; `None`: that of `device_file`, or 0.
         lag_deviation: Standard deviation of the lag [s]; `None`: that of `device_file`, or 0.
         device_file: A device file of `palpate calibrate`, or a `palpate.Calibration`.
 

@@ -11,12 +11,14 @@ use crate::values::{number, periods};
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Actuator")]
 pub struct ActuationFlags {
-    /// Time from a sample to the beginning of its force, in periods; may be fractional [default: 0, or the scene's]
-    #[arg(long, value_name = "PERIODS", value_parser = periods, allow_hyphen_values = true)]
+    /// Time from a sample to the beginning of its force [s] [default: 0, or the scene's]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true, conflicts_with = "delay_periods")]
     pub delay: Option<f64>,
-    /// Standard deviation of the delay, including its changes from command to command, in periods [default: 0, or the
-    /// scene's]
-    #[arg(long, value_name = "PERIODS", value_parser = number, allow_hyphen_values = true)]
+    /// The same in periods; may be fractional
+    #[arg(long, value_name = "PERIODS", value_parser = periods, allow_hyphen_values = true)]
+    pub delay_periods: Option<f64>,
+    /// Standard deviation of the delay, including its changes from command to command [s] [default: 0, or the scene's]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub delay_deviation: Option<f64>,
     /// Time constant of the actuator, a first-order lag after the delay [s] [default: 0, or the scene's]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
@@ -30,9 +32,9 @@ pub struct ActuationFlags {
     /// Standard deviation of the gain [default: 0, or the scene's]
     #[arg(long, value_name = "FACTOR", value_parser = number, allow_hyphen_values = true)]
     pub gain_deviation: Option<f64>,
-    /// Model value of the delay, in periods; simulate and tune only, whose actuator has its own delay [default: the
-    /// true one, or the scene's]
-    #[arg(long, value_name = "PERIODS", value_parser = number, allow_hyphen_values = true)]
+    /// Model value of the delay [s]; simulate and tune only, whose actuator has its own delay [default: the true one,
+    /// or the scene's]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub model_delay: Option<f64>,
     /// Model value of the lag [s]; simulate and tune only [default: the true one, or the scene's]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]

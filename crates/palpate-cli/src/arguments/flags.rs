@@ -12,7 +12,7 @@ use crate::values::{AnyMethods, any_methods, guard, limit, number, period, side,
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Loop")]
 pub struct TimingFlags {
-    /// Fraction of a period, below 1, on top of --delay [default: 0, or the scene's]
+    /// Fraction of a period, below 1, on top of --delay-periods [default: 0, or the scene's]
     #[arg(long, value_name = "FRACTION", value_parser = number, allow_hyphen_values = true)]
     pub delay_fraction: Option<f64>,
     /// Samples are uniformly distributed within this much of their instant, below half a period [s] [default: 0, or the

@@ -5,6 +5,7 @@ use palpate_core::{
 };
 use palpate_scene::{Delay, Scene};
 use palpate_study::calibrate::Quantity;
+use palpate_testbed::hold::DelayedHold;
 
 use super::device_file::DeviceFile;
 use super::wrong::{not_allowed, not_allowed_by};
@@ -16,6 +17,19 @@ impl ActuationFlags {
     pub fn check(&self) -> Result<(), Failure> {
         let (positive, not_negative) = (Range::Positive, Range::NotNegative);
         for (flag, parameter, range, value) in [
+            ("--delay", Parameter::Delay, not_negative, self.delay),
+            (
+                "--delay-deviation",
+                Parameter::DelayDeviation,
+                not_negative,
+                self.delay_deviation,
+            ),
+            (
+                "--model-delay",
+                Parameter::Delay,
+                not_negative,
+                self.model_delay,
+            ),
             ("--lag", Parameter::Lag, not_negative, self.lag),
             ("--gain", Parameter::Gain, positive, self.gain),
             ("--model-lag", Parameter::Lag, not_negative, self.model_lag),
@@ -46,21 +60,6 @@ impl ActuationFlags {
                     },
                 ));
             }
-        }
-        let most = LARGEST_DELAY as f64;
-        if let Some(model) = self.model_delay
-            && !(0.0..=most).contains(&model)
-        {
-            return Err(Failure::Arguments(format!(
-                "--model-delay is {model} periods, but must be from 0 to {LARGEST_DELAY}"
-            )));
-        }
-        if let Some(deviation) = self.delay_deviation
-            && !not_negative.contains(deviation)
-        {
-            return Err(Failure::Arguments(format!(
-                "--delay-deviation is {deviation} periods, but must be finite and not below 0"
-            )));
         }
         self.check_transmission()
     }
@@ -168,12 +167,32 @@ impl ActuationFlags {
         })
     }
 
+    /// Returns the flag that gives the delay: `--delay-periods` if it was given.
+    pub fn delay_flag(&self) -> &'static str {
+        if self.delay_periods.is_some() {
+            "--delay-periods"
+        } else {
+            "--delay"
+        }
+    }
+
+    /// Returns the given delay `[s]` in a loop of `period` `[s]`.
+    fn given_delay(&self, period: f64) -> Result<Option<f64>, Failure> {
+        if let Some(delay) = self.delay {
+            periods_of("--delay", delay, period, DelayedHold::LONGEST_DELAY)?;
+        }
+        Ok(self
+            .delay
+            .or(self.delay_periods.map(|periods| periods * period)))
+    }
+
     /// Whether any of these flags changes the simulation.
     pub fn change_a_scene(&self) -> bool {
         self.device_file.is_some()
             || self.tell_a_transmission()
             || [
                 self.delay,
+                self.delay_periods,
                 self.delay_deviation,
                 self.lag,
                 self.lag_deviation,
@@ -203,9 +222,9 @@ impl ActuationFlags {
             model.sensor_noise = known.sensor_noise.or(model.sensor_noise);
         }
         // A flag sets the true value and the model value.
-        if let Some(periods) = self.delay {
+        if let Some(delay) = self.given_delay(period)? {
             model.delay = None;
-            scene.delay = Delay::model_whole(periods, period);
+            scene.delay = Delay::from_seconds(delay, period);
         }
         if let Some(lag) = self.lag {
             model.lag = None;
@@ -215,12 +234,13 @@ impl ActuationFlags {
             model.gain = None;
             scene.actuator.gain = gain;
         }
-        let in_seconds = |periods: f64| periods * period;
-        model.delay = self.model_delay.map(in_seconds).or(model.delay);
+        if let Some(delay) = self.model_delay {
+            check_model_delay(delay, period)?;
+            model.delay = Some(delay);
+        }
         model.lag = self.model_lag.or(model.lag);
         model.gain = self.model_gain.or(model.gain);
-        let deviation = self.delay_deviation.map(in_seconds);
-        model.delay_deviation = deviation.or(model.delay_deviation);
+        model.delay_deviation = self.delay_deviation.or(model.delay_deviation);
         model.lag_deviation = self.lag_deviation.or(model.lag_deviation);
         model.gain_deviation = self.gain_deviation.or(model.gain_deviation);
         let delay = scene.delay.whole_samples() as f64 + scene.delay.seconds() / period;
@@ -239,16 +259,14 @@ impl ActuationFlags {
         file: Option<&DeviceFile>,
     ) -> Result<Actuation<f64>, Failure> {
         let known = file.map(|file| file.model(self)).unwrap_or_default();
-        let in_seconds = |periods: f64| periods * period;
         let perfect = Actuation::default();
         let or_known =
             |flag: Option<f64>, known: Option<f64>, perfect: f64| flag.or(known).unwrap_or(perfect);
-        let delay_deviation = self.delay_deviation.map(in_seconds);
         Ok(Actuation {
-            delay: or_known(self.delay.map(in_seconds), known.delay, perfect.delay),
+            delay: or_known(self.given_delay(period)?, known.delay, perfect.delay),
             lag: or_known(self.lag, known.lag, perfect.lag),
             gain: or_known(self.gain, known.gain, perfect.gain),
-            delay_deviation: or_known(delay_deviation, known.delay_deviation, 0.0),
+            delay_deviation: or_known(self.delay_deviation, known.delay_deviation, 0.0),
             lag_deviation: or_known(self.lag_deviation, known.lag_deviation, 0.0),
             gain_deviation: or_known(self.gain_deviation, known.gain_deviation, 0.0),
             transmission: self.transmission(file, None)?,
@@ -262,9 +280,10 @@ impl ActuationFlags {
             given.map(|(flag, _)| *flag)
         };
         match quantity {
-            Quantity::Delay | Quantity::DelayPlusLag => {
-                first(&[("--model-delay", self.model_delay), ("--delay", self.delay)])
-            }
+            Quantity::Delay | Quantity::DelayPlusLag => first(&[
+                ("--model-delay", self.model_delay),
+                (self.delay_flag(), self.delay.or(self.delay_periods)),
+            ]),
             Quantity::Lag => first(&[("--model-lag", self.model_lag), ("--lag", self.lag)]),
             Quantity::Gain => first(&[("--model-gain", self.model_gain), ("--gain", self.gain)]),
             Quantity::Resonance => first(&[("--resonance", self.resonance)]),
@@ -277,6 +296,24 @@ impl ActuationFlags {
             _ => None,
         }
     }
+}
+
+/// Rejects a delay `[s]` of more than `most` periods of `period` `[s]`, and returns its number of periods.
+fn periods_of(flag: &str, delay: f64, period: f64, most: usize) -> Result<f64, Failure> {
+    let periods = delay / period;
+    // A quotient of decimal times is not exact.
+    if periods <= most as f64 + 1e-5 {
+        return Ok(periods);
+    }
+    Err(Failure::Arguments(format!(
+        "{flag} is {delay} s, {} periods of {period} s, but must be at most {most} periods",
+        (periods * 1e6).round() / 1e6
+    )))
+}
+
+/// Rejects a model delay `[s]` that no renderer can have.
+fn check_model_delay(delay: f64, period: f64) -> Result<(), Failure> {
+    periods_of("--model-delay", delay, period, LARGEST_DELAY).map(drop)
 }
 
 fn tell_too_long(periods: f64) {

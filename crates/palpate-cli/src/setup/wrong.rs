@@ -45,7 +45,7 @@ impl Flags {
             SceneParameter::ModelDeviceMass => {
                 valued("--model-device-mass", self.model_device_mass)
             }
-            SceneParameter::DelaySeconds => valued("--delay", of.delay),
+            SceneParameter::DelaySeconds => valued(of.delay_flag(), of.delay.or(of.delay_periods)),
             SceneParameter::Lag => valued("--lag", of.lag),
             SceneParameter::Gain => valued("--gain", of.gain),
             SceneParameter::ModelDelay => valued("--model-delay", of.model_delay),
@@ -98,7 +98,7 @@ impl Flags {
             Parameter::ObjectVelocity => valued("--object-velocity", self.object_velocity),
             Parameter::Side => valued("--side", self.side),
             Parameter::Period => valued("--period", self.period),
-            Parameter::Delay => valued("--delay", of.delay),
+            Parameter::Delay => valued(of.delay_flag(), of.delay.or(of.delay_periods)),
             Parameter::ForceLimit => valued("--force-limit", self.force_limit),
             Parameter::SlewLimit => valued("--slew-limit", self.slew_limit),
             Parameter::SpeedLimit => valued("--speed-limit", self.speed_limit),

@@ -210,14 +210,14 @@ fn a_pointer_leads_the_device_of_the_scene() {
 fn a_delay_beyond_what_a_renderer_knows_is_told() {
     let folder = folder_with_scenes();
     let words = "the other 4 of these 12 are unmodelled";
-    let answer = folder.palpate("simulate wall.toml --delay 12 --method hfcr");
+    let answer = folder.palpate("simulate wall.toml --delay-periods 12 --method hfcr");
     assert!(answer.stderr.contains(words), "{answer:?}");
-    let answer = folder.palpate("simulate wall.toml --delay 8 --method hfcr");
+    let answer = folder.palpate("simulate wall.toml --delay-periods 8 --method hfcr");
     assert!(!answer.stderr.contains("warning"), "{answer:?}");
     folder.fail(
-        "pipe --stiffness 1000 --mass inf --period 0.001 --device-mass 0.2 --delay 12",
+        "pipe --stiffness 1000 --mass inf --period 0.001 --device-mass 0.2 --delay-periods 12",
         2,
-        &["--delay is 12 samples", "at most 8"],
+        &["--delay-periods is 12 samples", "at most 8"],
     );
 }
 

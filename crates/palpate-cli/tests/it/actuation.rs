@@ -75,12 +75,18 @@ fn a_pipe_commands_what_the_actuator_is_to_get() {
         assert!((2.0 * plain - weak).abs() <= 1e-12, "{plain} {weak}");
     }
     let at_once = piped(&folder, "");
-    assert_eq!(piped(&folder, "--delay 0 --lag 0 --gain 1"), at_once);
-    let all = piped(&folder, "--delay 0.5 --lag 0.0003 --gain 0.98");
+    assert_eq!(
+        piped(&folder, "--delay-periods 0 --lag 0 --gain 1"),
+        at_once
+    );
+    let all = piped(&folder, "--delay-periods 0.5 --lag 0.0003 --gain 0.98");
     for (flags, other) in [
         ("none", &at_once),
-        ("delay", &piped(&folder, "--delay 0.5")),
-        ("delay and lag", &piped(&folder, "--delay 0.5 --lag 0.0003")),
+        ("delay", &piped(&folder, "--delay-periods 0.5")),
+        (
+            "delay and lag",
+            &piped(&folder, "--delay-periods 0.5 --lag 0.0003"),
+        ),
     ] {
         assert_ne!(&all, other, "{flags}");
     }
@@ -97,7 +103,7 @@ fn coupled_rendering_reaches_the_floor_of_an_actuator_that_it_is_told() {
         let flags = format!("simulate scene.toml --method coupled {flags}");
         error(&folder.json(&flags), "coupled")
     };
-    let actuator = "--delay 0.5 --lag 0.002 --gain 0.9";
+    let actuator = "--delay-periods 0.5 --lag 0.002 --gain 0.9";
     let model = error(actuator);
     for unmodelled in ["--model-delay 0", "--model-lag 0", "--model-gain 1"] {
         let other = error(&format!("{actuator} {unmodelled}"));
@@ -107,7 +113,18 @@ fn coupled_rendering_reaches_the_floor_of_an_actuator_that_it_is_told() {
             "{unmodelled}: {other} {model}"
         );
     }
-    assert_eq!(error("--delay 1.0"), error("--delay 1"));
+    assert_eq!(error("--delay-periods 1.0"), error("--delay-periods 1"));
+    // The period is 10 ms.
+    assert_eq!(error("--delay 0.01"), error("--delay-periods 1"));
+    assert_eq!(error("--delay 0.005"), error("--delay-periods 0.5"));
+    let both = "simulate scene.toml --delay 0.01 --delay-periods 1";
+    folder.fail(
+        both,
+        2,
+        &["--delay", "--delay-periods", "cannot be used with"],
+    );
+    let too_long = "--delay is 20 s, 2000 periods of 0.01 s, but must be at most 1024 periods";
+    folder.fail("simulate scene.toml --delay 20", 2, &[too_long]);
 }
 
 #[test]
@@ -115,20 +132,20 @@ fn a_recording_is_rendered_with_the_actuator_that_is_told() {
     let folder = folder();
     let render = "render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --method basic";
     let error = |flags: &str| error(&folder.json(&format!("{render} {flags}")), "basic");
-    let (none, whole) = (error(""), error("--delay 1"));
-    let half = error("--delay 0.5");
+    let (none, whole) = (error(""), error("--delay-periods 1"));
+    let half = error("--delay-periods 0.5");
     assert!(none < half && half < whole, "{none} {half} {whole}");
     // This method compensates the gain, but not a lag.
     assert!((error("--gain 0.7") / none - 1.0).abs() < 1e-9);
     assert!(error("--lag 0.003") > none);
-    let shown = folder.palpate(&format!("{render} --delay 0.5"));
+    let shown = folder.palpate(&format!("{render} --delay-periods 0.5"));
     assert!(shown.stdout.contains("delay 0.5 periods"), "{shown:?}");
 }
 
 #[test]
 fn a_device_file_says_what_flags_would() {
     let folder = folder();
-    let by_flags = "--model-delay 0.5 --delay-deviation 0.01 --model-lag 0.002 --model-gain 0.9 \
+    let by_flags = "--model-delay 0.005 --delay-deviation 0.0001 --model-lag 0.002 --model-gain 0.9 \
                     --model-device-mass 0.1";
     let report = |flags: &str| {
         let answer = folder.palpate(&format!("simulate scene.toml {flags} --json"));
@@ -178,13 +195,12 @@ fn a_flag_stands_in_place_of_the_value_of_a_device_file() {
         assert_eq!(answer.code, 0, "{answer:?}");
         error(&parse(&answer.stdout), "basic")
     };
-    let own = "--delay 0.25 --lag 0.001 --gain 0.8";
+    let own = "--delay-periods 0.25 --lag 0.001 --gain 0.8";
     let beside = error(&format!("--device-file device.toml {own}"));
     assert_eq!(beside, error(own));
     assert_ne!(beside, error("--device-file device.toml"));
     // Unused values are not checked: by itself that delay would be too long.
-    let fast =
-        "pipe --stiffness 400 --mass 0.1 --period 0.0005 --device-file device.toml --delay 1";
+    let fast = "pipe --stiffness 400 --mass 0.1 --period 0.0005 --device-file device.toml --delay-periods 1";
     let answer = folder.palpate_reading("0\n", fast);
     assert_eq!(answer.code, 0, "{answer:?}");
 }
@@ -231,8 +247,8 @@ fn what_only_a_simulated_actuator_can_differ_in_is_refused_elsewhere() {
     }
     for (flags, said) in [
         (
-            "--model-delay 8.5",
-            "--model-delay is 8.5 periods, but must be from 0 to 8",
+            "--model-delay 0.085",
+            "--model-delay is 0.085 s, 8.5 periods of 0.01 s, but must be at most 8 periods",
         ),
         ("--model-lag -1", "--model-lag is -1 s, but must be"),
         ("--model-gain 0", "--model-gain is 0, but must be"),
@@ -244,7 +260,7 @@ fn what_only_a_simulated_actuator_can_differ_in_is_refused_elsewhere() {
 #[test]
 fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
     let folder = folder();
-    let actuator = "--delay 0.5 --delay-deviation 0.01 --lag 0.002 --gain 0.9";
+    let actuator = "--delay-periods 0.5 --delay-deviation 0.0001 --lag 0.002 --gain 0.9";
     folder.succeed(&format!(
         "record scene.toml rec.mcap --method coupled --fast --duration 0.7 {actuator}"
     ));
@@ -275,7 +291,7 @@ fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
     let (recorded, model) = replayed("");
     assert_eq!(number(&model, "model_lag_s"), 0.002);
     assert_eq!(replayed(actuator).0, recorded);
-    assert_ne!(replayed("--delay 0 --lag 0 --gain 1").0, recorded);
+    assert_ne!(replayed("--delay-periods 0 --lag 0 --gain 1").0, recorded);
     // A perfect loop is reported too.
     folder.succeed("record scene.toml perfect.mcap --method coupled --fast --duration 0.1");
     let info = folder.json("info perfect.mcap");
@@ -325,7 +341,7 @@ fn a_contact_beyond_the_resonance_of_a_device_file_is_warned_of_once_and_not_adv
         let asked = "--stiffness 70 --viscous-friction 0.2 --method coupled";
         folder.json(&format!("advise --period 0.01 {flags} {asked}"))
     };
-    let rigid = "--device-mass 0.2 --delay 0.5 --lag 0.002";
+    let rigid = "--device-mass 0.2 --delay-periods 0.5 --lag 0.002";
     assert_eq!(advised(rigid)["verdict"]["answer"], "yes");
     let flexible = advised("--device-file flexible.toml");
     assert_eq!(flexible["verdict"]["answer"], "too-flexible");
@@ -341,20 +357,24 @@ fn a_contact_beyond_the_resonance_of_a_device_file_is_warned_of_once_and_not_adv
 fn a_map_takes_fractions_of_delay_and_a_lag() {
     let folder = folder();
     let map = |flags: &str| folder.succeed(&format!("map --cells 2 --method coupled {flags}"));
-    assert!(map("--delay 0.5 --out half.csv").contains("0.5"));
+    assert!(map("--delay-periods 0.5 --out half.csv").contains("0.5"));
     let text = |file: &str| std::fs::read_to_string(folder.path(file)).unwrap();
     assert!(text("half.csv").contains("\"\"delay_samples\"\":\"\"0.5\"\""));
-    map("--delay 1.0 --out one.csv");
-    map("--delay 1 --lag 0 --out whole.csv");
+    map("--delay-periods 1.0 --out one.csv");
+    map("--delay-periods 1 --lag-periods 0 --out whole.csv");
     assert_eq!(text("one.csv"), text("whole.csv"));
-    map("--delay 1 --lag 0.3 --out lag.csv");
+    map("--delay-periods 1 --lag-periods 0.3 --out lag.csv");
     assert!(text("lag.csv").contains("\"\"lag_periods\"\":\"\"0.3\"\""));
     folder.fail(
-        "map --lag 101 --out x.csv",
+        "map --lag-periods 101 --out x.csv",
         2,
-        &["--lag is 101 periods", "0 to 100"],
+        &["--lag-periods is 101 periods", "0 to 100"],
     );
-    folder.fail("map --delay 1025 --out x.csv", 2, &["a number of periods"]);
+    folder.fail(
+        "map --delay-periods 1025 --out x.csv",
+        2,
+        &["a number of periods"],
+    );
 }
 
 /// Flags of a flexible transmission, in a loop in which `coupled` uses it.
@@ -394,7 +414,7 @@ fn flags_tell_a_transmission_as_a_scene_and_a_device_file_do() {
         methods(&softer)
     );
     assert_ne!(methods(&softer), by_flags);
-    let rest = "--model-delay 0.5 --model-lag 0.0002 --model-device-mass 0.2";
+    let rest = "--model-delay 0.0005 --model-lag 0.0002 --model-device-mass 0.2";
     assert_eq!(
         methods(&format!(
             "{simulate} --device-file whole.toml --resonance 80"
@@ -488,7 +508,7 @@ fn a_recording_has_the_transmission_that_flags_told() {
 fn a_resonance_by_flag_bounds_what_is_advised() {
     let folder = folder();
     // As slow as in the test of a device file above.
-    let advise = "advise --period 0.01 --device-mass 0.2 --delay 0.5 --stiffness 70 \
+    let advise = "advise --period 0.01 --device-mass 0.2 --delay-periods 0.5 --stiffness 70 \
                   --viscous-friction 0.2 --method coupled";
     let advised = |flags: &str| folder.json(&format!("{advise} {flags}"));
     let flexible = advised("--resonance 10 --flexible-mass-fraction 0.5");

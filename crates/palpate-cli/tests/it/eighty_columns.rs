@@ -133,7 +133,7 @@ fn advise() {
 #[test]
 fn map() {
     let folder = Folder::new();
-    let asked = "map --cells 2 --encoder-quantum 1e-5 --delay 1 --out m.csv";
+    let asked = "map --cells 2 --encoder-quantum 1e-5 --delay-periods 1 --out m.csv";
     assert_fits(&folder.succeed(asked), &[E]);
 }
 

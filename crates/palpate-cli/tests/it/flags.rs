@@ -5,7 +5,7 @@ use crate::common::{
 };
 
 /// Each flag, an invalid value, and its message.
-const WRONG: [(&str, &str, &str); 69] = [
+const WRONG: [(&str, &str, &str); 71] = [
     ("--stiffness", "0", "0 N/m"),
     ("--stiffness", "-400", "-400 N/m"),
     ("--stiffness", "nan", "NaN N/m"),
@@ -29,10 +29,12 @@ const WRONG: [(&str, &str, &str); 69] = [
     ("--object-velocity", "nan", "NaN m/s"),
     ("--object-velocity", "-inf", "-inf m/s"),
     ("--side", "left", "positive and negative"),
-    ("--delay", "-1", "0 to 1024"),
-    ("--delay", "1024.5", "0 to 1024"),
-    ("--delay", "nan", "0 to 1024"),
-    ("--delay-deviation", "-0.1", "-0.1 periods"),
+    ("--delay-periods", "-1", "0 to 1024"),
+    ("--delay-periods", "1024.5", "0 to 1024"),
+    ("--delay-periods", "nan", "0 to 1024"),
+    ("--delay", "-1", "-1 s"),
+    ("--delay", "nan", "NaN s"),
+    ("--delay-deviation", "-0.1", "-0.1 s"),
     ("--lag", "-0.001", "-0.001 s"),
     ("--lag", "inf", "inf s"),
     ("--lag-deviation", "nan", "NaN s"),
@@ -361,7 +363,7 @@ fn every_flag_of_a_recording_changes_its_run() {
         ("--object-position", "0.001", "hfcr"),
         ("--object-velocity", "-0.1", "hfcr"),
         ("--side", "negative", "hfcr"),
-        ("--delay", "1", "hfcr"),
+        ("--delay", "0.01", "hfcr"),
         ("--force-limit", "0.5", "hfcr"),
         ("--slew-limit", "20", "hfcr"),
         ("--damping", "0.3", "virtual-damper"),

@@ -101,7 +101,7 @@ fn three_parts_one_of_them_killed_and_run_again_are_the_whole_map() {
     );
     // Nor with it for another map.
     folder.fail(
-        &format!("{arguments} --shard 2/3 --resume --delay 1"),
+        &format!("{arguments} --shard 2/3 --resume --delay-periods 1"),
         3,
         &["of another map", "delay_samples=1"],
     );
@@ -217,7 +217,7 @@ fn a_full_disk_is_named_and_leaves_no_half_map() {
 #[test]
 fn what_is_told_wrong_and_delays_stand_in_the_map() {
     let folder = Folder::new();
-    let arguments = "map --cells 3 --method hfcr --delay 1 --model-mass 2 --model-period 1.1 \
+    let arguments = "map --cells 3 --method hfcr --delay-periods 1 --model-mass 2 --model-period 1.1 \
                      --encoder-quantum 1e-5 --viscous-friction 0.5 --show growth,over-floor";
     let text = folder.succeed(arguments);
     for word in [
@@ -322,7 +322,7 @@ fn an_advice_answers_in_words_first() {
     // every hold.
     let light = "advise --device-mass 0.25 --stiffness 10000 --mass 0.1 --period 0.01";
     let swings = folder.json(&format!(
-        "{light} --delay 1 --method virtual-damper,hfcr,coupled"
+        "{light} --delay-periods 1 --method virtual-damper,hfcr,coupled"
     ));
     assert_ne!(swings["verdict"]["answer"], "yes", "{swings}");
     let coarse = folder.json(&format!("{light} --method coupled"));

@@ -346,9 +346,9 @@ fn end_of_a_late_device(flags: &str) -> String {
 
 #[test]
 fn the_end_says_which_lateness_was_learned() {
-    let end = end_of_a_late_device("--delay-deviation 0.3");
+    let end = end_of_a_late_device("--delay-deviation 0.0003");
     assert!(end.contains("; estimated: commands begin 0.50"), "{end}");
-    let json = parse(&end_of_a_late_device("--delay-deviation 0.3 --json"));
+    let json = parse(&end_of_a_late_device("--delay-deviation 0.0003 --json"));
     let learned = number(&json, "learned_lateness_s");
     assert!((learned - 5e-4).abs() < 5e-6, "{learned}");
     let end = end_of_a_late_device("");
@@ -383,7 +383,7 @@ fn the_end_is_summed_up() {
 #[test]
 fn a_delay_changes_the_books_but_not_the_forces() {
     let input = "0.001\n0.002\n0.003\n";
-    let delayed = format!("{WALL} --method basic --delay 1");
+    let delayed = format!("{WALL} --method basic --delay-periods 1");
     let now = answers(&format!("{WALL} --method basic --json"), input);
     let late = answers(&format!("{delayed} --json"), input);
     assert_eq!(now.0, late.0);
@@ -525,7 +525,7 @@ fn a_scene_says_what_flags_would() {
         format!("{scene}\n[renderer]\nmethod = \"hfcr\"\ndevice_mass_kg = 0.3\n"),
     );
     let flags = "pipe --stiffness 400 --mass 0.1 --object-position 0.001 --force -0.981 \
-                 --encoder-quantum 1e-5 --period 0.01 --delay 1";
+                 --encoder-quantum 1e-5 --period 0.01 --delay-periods 1";
     let same = |by_scene: &str, by_flags: &str| {
         let by_scene = folder.palpate_reading(&input, by_scene);
         let by_flags = folder.palpate_reading(&input, &format!("{flags} {by_flags}"));

@@ -210,12 +210,15 @@ fn what_was_sent_acts_after_the_delay_of_the_recorded_loop() {
         let departure = report["replay"]["largest_departure_m"][0].as_f64().unwrap();
         (number(&report["replay"], "hand_force_n"), departure)
     };
-    let ((as_was, near), (faster, far)) = (force(""), force("--delay 0"));
+    let ((as_was, near), (faster, far)) = (force(""), force("--delay-periods 0"));
     assert_eq!(as_was, faster);
     assert!(far > 10.0 * near, "{far} and {near}");
     // A fraction is in time: nearly two periods are nearly unchanged, and half of the rest half as far.
-    let (nearly, between) = (force("--delay 1.999").1, force("--delay 1").1);
-    let half = force("--delay 1.5").1;
+    let (nearly, between) = (
+        force("--delay-periods 1.999").1,
+        force("--delay-periods 1").1,
+    );
+    let half = force("--delay-periods 1.5").1;
     assert!(nearly < between / 10.0, "{nearly} and {between}");
     assert!(
         (0.3..0.7).contains(&(half / between)),

@@ -277,7 +277,7 @@ fn the_report_s_leaks_are_those_of_the_last_tick() {
 fn the_run_file_tells_what_made_it() {
     let folder = with_taps();
     folder.succeed(&format!(
-        "render tap.csv {FLAGS} --method hfcr --damping 0.25 --delay 1 --out run.csv"
+        "render tap.csv {FLAGS} --method hfcr --damping 0.25 --delay-periods 1 --out run.csv"
     ));
     let run = folder.run_file("run.csv");
     let entry = |key: &str| {
@@ -340,7 +340,7 @@ fn a_mirrored_contact_gives_mirrored_forces() {
 fn a_delay_holds_each_force_so_many_samples_later() {
     let folder = with_taps();
     folder.succeed(&format!(
-        "render tap.csv {FLAGS} --method basic --delay 2 --out run.csv"
+        "render tap.csv {FLAGS} --method basic --delay-periods 2 --out run.csv"
     ));
     let run = folder.run_file("run.csv");
     let asked = run.numbers("force_on_object_n").unwrap();

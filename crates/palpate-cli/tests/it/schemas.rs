@@ -28,7 +28,7 @@ fn every_report_is_as_its_schema_says() {
         "run wall.toml --duration 0.05",
         "info rec.mcap",
         "simulate fig2.toml --method all",
-        "simulate wall.toml --jitter 0.0002 --drop 0.01 --delay 1",
+        "simulate wall.toml --jitter 0.0002 --drop 0.01 --delay-periods 1",
         "simulate fig4.toml --method virtual-damper",
         "simulate fig2.toml --jitter 0.0002 --seeds 3",
         "simulate world.toml --method all",

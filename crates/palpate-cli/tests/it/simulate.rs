@@ -170,7 +170,7 @@ fn a_flag_does_what_an_edit_of_the_scene_does() {
         ),
         ("--period 0.004", "period_s = 0.01", "period_s = 0.004"),
         (
-            "--delay 2",
+            "--delay-periods 2",
             "period_s = 0.01",
             "period_s = 0.01\ndelay_samples = 2",
         ),
@@ -313,13 +313,17 @@ fn an_imperfect_loop_by_flags_is_that_of_the_scene_file() {
     let samples = number(&by_file, "samples");
     assert!(samples > 55.0 && samples < 76.0, "{samples}");
     // The delay of a flag replaces the whole delay, and a delay in seconds has no additional fraction of a period.
-    let whole = folder.json("simulate imperfect.toml --delay 1");
+    let whole = folder.json("simulate imperfect.toml --delay-periods 1");
     assert_eq!(whole["delay_samples"], 1);
     assert_eq!(whole["timing"].get("delay_fraction"), None);
     folder.fail(
-        "simulate scene.toml --delay 0.5 --delay-fraction 0.25",
+        "simulate scene.toml --delay-periods 0.5 --delay-fraction 0.25",
         2,
-        &["--delay-fraction 0.25", "the delay is 0.005 s", "--delay 1"],
+        &[
+            "--delay-fraction 0.25",
+            "the delay is 0.005 s",
+            "--delay-periods 1",
+        ],
     );
     let perfect = folder.json("simulate scene.toml");
     assert_eq!(perfect.get("timing"), None);

@@ -425,7 +425,7 @@ fn tune_tries_the_dampings_that_are_named_and_refuses_what_has_nothing_to_tune()
         &["coupled has no setting to tune on a world"],
     );
     folder.fail(
-        "tune ball.toml --method virtual-damper --delay 1",
+        "tune ball.toml --method virtual-damper --delay-periods 1",
         2,
         &["--delay", "is a world"],
     );

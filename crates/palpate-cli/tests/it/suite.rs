@@ -133,9 +133,11 @@ fn each_row_is_a_scene_and_a_command() {
     let rows = rows(&text);
     assert_eq!(rows.len(), 24);
     for row in rows {
+        let model_delay = row["model_delay_samples"].parse::<f64>().unwrap()
+            * row["period_s"].parse::<f64>().unwrap();
         let text = folder.succeed(&format!(
-            "simulate plants/plant-000{}.toml --method {} --delay {} --model-delay {} --json",
-            row["plant"], row["method"], row["delay_samples"], row["model_delay_samples"]
+            "simulate plants/plant-000{}.toml --method {} --delay-periods {} --model-delay {model_delay} --json",
+            row["plant"], row["method"], row["delay_samples"]
         ));
         let report = parse(&text);
         let found = of_method(&report, row["method"]);

@@ -21,11 +21,11 @@ pub struct Question<'a> {
     pub encoder_quantum: Option<f64>,
     /// Period of the loop `[s]`.
     pub period: f64,
-    /// Time from a sample to the start of its force `[periods]`; 0 if neither source states it.
+    /// Time from a sample to the start of its force `[s]`; 0 if neither source states it.
     pub delay: Option<f64>,
     /// Time constant of the following first-order lag `[s]`; 0 if neither source states it.
     pub lag: Option<f64>,
-    /// Standard deviation of the delay `[periods]`; 0 if neither source states it.
+    /// Standard deviation of the delay `[s]`; 0 if neither source states it.
     pub delay_deviation: Option<f64>,
     /// Standard deviation of the lag `[s]`; 0 if neither source states it.
     pub lag_deviation: Option<f64>,
@@ -45,7 +45,6 @@ impl Question<'_> {
         let quantum = known(Quantity::SensorQuantum);
         // If only the sum of delay and lag is known, the sum is the better delay.
         let delay = known(Quantity::Delay).or(known(Quantity::DelayPlusLag));
-        let delay = delay.map(|seconds| seconds / self.period);
         let defaults = MapParams::default();
         Some(Bounce {
             device: BounceDevice {
@@ -63,7 +62,7 @@ impl Question<'_> {
             gap: defaults.gap,
             period: self.period,
             model_period: 1.0,
-            delay: self.delay.or(delay).unwrap_or(0.0),
+            delay: self.delay.or(delay).unwrap_or(0.0) / self.period,
             lag: self.lag.or(known(Quantity::Lag)).unwrap_or(0.0),
             model: self.deviations(),
         })
@@ -79,9 +78,8 @@ impl Question<'_> {
         };
         let of_file = self.file.map(|file| calibrated::deviations(file, taken));
         let of_file = of_file.unwrap_or_default();
-        let stated = self.delay_deviation.map(|periods| periods * self.period);
         Model {
-            delay_deviation: stated.or(of_file.delay_deviation),
+            delay_deviation: self.delay_deviation.or(of_file.delay_deviation),
             lag_deviation: self.lag_deviation.or(of_file.lag_deviation),
             ..of_file
         }

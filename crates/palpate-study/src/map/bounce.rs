@@ -186,7 +186,7 @@ impl Bounce {
             }),
             object_radius: 0.0,
             model_device_mass: None,
-            delay: Delay::model_whole(self.delay, self.period),
+            delay: Delay::from_seconds(self.delay * self.period, self.period),
             timing: Timing::default(),
             actuator: ActuatorParams {
                 lag: self.lag,

@@ -367,7 +367,7 @@ impl fmt::Display for MapReport {
         );
         for (name, value, usual) in [
             ("encoder quantum [m]", scene.encoder_quantum_m, 0.0),
-            ("delay [samples]", scene.delay_samples, 0.0),
+            ("delay [periods]", scene.delay_samples, 0.0),
             ("lag [periods]", scene.lag_periods, 0.0),
             (
                 "deviation of the delay [periods]",

@@ -30,18 +30,21 @@ pub struct AdviseArguments {
     #[arg(long, value_name = "N", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true, help_heading = "Device")]
     pub coulomb_friction: f64,
-    /// Time from a sample to the beginning of its force, in periods; may be fractional [default: that of --device-file,
-    /// or 0]
-    #[arg(long, value_name = "PERIODS", value_parser = periods, help_heading = "Device")]
+    /// Time from a sample to the beginning of its force [s] [default: that of --device-file, or 0]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
+          conflicts_with = "delay_periods", help_heading = "Device")]
     pub delay: Option<f64>,
+    /// The same in periods; may be fractional
+    #[arg(long, value_name = "PERIODS", value_parser = periods, help_heading = "Device")]
+    pub delay_periods: Option<f64>,
     /// Time constant of the actuator, a first-order lag after the delay; the renderer models both [s] [default: that of
     /// --device-file, or 0]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub lag: Option<f64>,
-    /// Standard deviation of the delay, including its changes from command to command, in periods [default: that of
+    /// Standard deviation of the delay, including its changes from command to command [s] [default: that of
     /// --device-file, or 0]
-    #[arg(long, value_name = "PERIODS", value_parser = number, allow_hyphen_values = true,
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub delay_deviation: Option<f64>,
     /// Standard deviation of the lag [s] [default: that of --device-file, or 0]

@@ -82,7 +82,9 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bou
         coulomb_friction: arguments.coulomb_friction,
         encoder_quantum: arguments.encoder_quantum,
         period: arguments.period,
-        delay: arguments.delay,
+        delay: arguments.delay.or(arguments
+            .delay_periods
+            .map(|periods| periods * arguments.period)),
         lag: arguments.lag,
         delay_deviation: arguments.delay_deviation,
         lag_deviation: arguments.lag_deviation,
@@ -125,7 +127,8 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bou
     not_negative("--encoder-quantum", device.encoder_quantum, "m")?;
     not_negative("--lag", bounce.lag, "s")?;
     for (flag, deviation, unit) in [
-        ("--delay-deviation", arguments.delay_deviation, "periods"),
+        ("--delay", arguments.delay, "s"),
+        ("--delay-deviation", arguments.delay_deviation, "s"),
         ("--lag-deviation", arguments.lag_deviation, "s"),
     ] {
         if let Some(deviation) = deviation {

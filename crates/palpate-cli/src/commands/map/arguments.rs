@@ -75,19 +75,19 @@ pub struct SceneArguments {
     pub encoder_quantum: f64,
     /// Time from a sample to the beginning of its force, in periods; may be fractional
     #[arg(long, value_name = "PERIODS", value_parser = periods, default_value = "0")]
-    pub delay: f64,
+    pub delay_periods: f64,
     /// Time constant of the actuator, a first-order lag after the delay, 0 to 100 periods; the renderer models both
     #[arg(long, value_name = "PERIODS", value_parser = number, default_value = "0",
           allow_hyphen_values = true)]
-    pub lag: f64,
+    pub lag_periods: f64,
     /// Model value of the standard deviation of the delay, in periods
     #[arg(long, value_name = "PERIODS", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true)]
-    pub delay_deviation: f64,
+    pub delay_deviation_periods: f64,
     /// Model value of the standard deviation of the lag, in periods
     #[arg(long, value_name = "PERIODS", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true)]
-    pub lag_deviation: f64,
+    pub lag_deviation_periods: f64,
     /// Model value of the device mass over the true one
     #[arg(long, value_name = "FACTOR", value_parser = number, default_value_t = 1.0,
           allow_hyphen_values = true)]

@@ -73,7 +73,7 @@ fn lag(periods: f64) -> Result<f64, Failure> {
         return Ok(periods);
     }
     Err(Failure::Arguments(format!(
-        "--lag is {periods} periods; allowed: 0 to 100"
+        "--lag-periods is {periods} periods; allowed: 0 to 100"
     )))
 }
 
@@ -112,10 +112,20 @@ fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
             .filter(|method| named.is_none_or(|named| named.contains(method)))
             .collect(),
         device,
-        delay: scene.delay,
-        lag: lag(scene.lag)?,
-        delay_deviation: not_below("--delay-deviation", scene.delay_deviation, 0.0, " periods")?,
-        lag_deviation: not_below("--lag-deviation", scene.lag_deviation, 0.0, " periods")?,
+        delay: scene.delay_periods,
+        lag: lag(scene.lag_periods)?,
+        delay_deviation: not_below(
+            "--delay-deviation-periods",
+            scene.delay_deviation_periods,
+            0.0,
+            "",
+        )?,
+        lag_deviation: not_below(
+            "--lag-deviation-periods",
+            scene.lag_deviation_periods,
+            0.0,
+            "",
+        )?,
         model_period: factor("--model-period", scene.model_period)?,
         forces: match scene.forces {
             ForcesName::Balanced => defaults.forces,

@@ -69,7 +69,8 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
             "periods"
         };
         return Err(Failure::Arguments(format!(
-            "--delay is {periods} {unit}, but the renderer models at most {LARGEST_DELAY}"
+            "{} is {periods} {unit}, but the renderer models at most {LARGEST_DELAY}",
+            flags.actuation.delay_flag()
         )));
     }
     // Check contact and loop first: their errors do not depend on the method.
