@@ -4,8 +4,8 @@ use palpate_record::map::{Format, Map, Row};
 use palpate_scene::method::MethodName;
 use palpate_study::map::{Plant, RESTS_BELOW, STABLE_UP_TO, bounds};
 
-use crate::SHOWN;
 use crate::figure::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
+use crate::results::SHOWN;
 use palpate_study::map::metadata::{self, NoNumber};
 use palpate_study::map::report::{FAITHFUL_PERCENT, is_faithful, is_stable, stay};
 

@@ -2,9 +2,9 @@
 
 use crate::figure::{Grid, Limits, Panel, Role, Row, Series};
 
-use crate::role;
-use crate::runs::{Devices, RunsFigure};
-use crate::series::{
+use crate::results::role;
+use crate::results::runs::{Devices, RunsFigure};
+use crate::results::series::{
     device_position, end_of_motors, held_force, held_leak, ideal_force, object_position,
 };
 

@@ -4,8 +4,8 @@ use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use palpate_study::sim::run::{Reference, Run, Tick};
 use palpate_study::text::percent;
 
-use crate::finding;
-use crate::series::{
+use crate::results::finding;
+use crate::results::series::{
     JOULE_TO_MILLIJOULE, device_position, held_force, ideal_device, ideal_force, ideal_object,
     object_position, times,
 };

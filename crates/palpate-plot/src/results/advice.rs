@@ -4,7 +4,7 @@ use crate::figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
 use palpate_scene::method::MethodName;
 use palpate_study::map::{Limit, MethodReach, Reach};
 
-use crate::SHOWN;
+use crate::results::SHOWN;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT, Verdict};
 use palpate_study::text::digits;
 

@@ -104,7 +104,7 @@ impl Figures {
 
     /// Draws measured and fitted motion.
     pub fn calibration(&mut self, motion: &MotionCard) -> Result<String, SizeError> {
-        let figure = crate::motion(motion);
+        let figure = crate::results::motion(motion);
         self.draw(&figure, "110x92", "Calibration: measured against fitted")
     }
 

@@ -11,7 +11,7 @@ fn role(columns: &[Column], number: usize) -> Role {
         .iter()
         .all(|column| *column == Column::new(column.method));
     if of_methods {
-        crate::role(columns[number].method)
+        crate::results::role(columns[number].method)
     } else {
         Role::Compared(number)
     }

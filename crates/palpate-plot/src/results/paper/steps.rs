@@ -6,7 +6,7 @@ use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_study::report::{Report, Subject};
 use palpate_study::sim::closed_loop::{Bench, LoopError};
 
-use crate::step_by_step;
+use crate::results::step_by_step;
 
 /// Dampings of HFCR compared over many collisions `[N s/m]`, with their labels.
 const DAMPINGS: [(f64, &str); 4] = [

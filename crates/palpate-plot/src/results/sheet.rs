@@ -3,8 +3,8 @@
 use crate::figure::Sheet;
 use palpate_study::sim::run::Run;
 
-use crate::runs::{Devices, RunsFigure};
-use crate::{finding, multiples, overlay};
+use crate::results::runs::{Devices, RunsFigure};
+use crate::results::{finding, multiples, overlay};
 
 /// Maximum number of runs in one panel; more are hard to distinguish.
 pub const MAX_IN_A_PANEL: usize = 4;

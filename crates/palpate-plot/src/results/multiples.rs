@@ -4,9 +4,9 @@ use crate::figure::{Grid, Limits, Panel, Role, Row, Series};
 use palpate_study::sim::run::Run;
 use palpate_study::text::{digits, percent};
 
-use crate::finding;
-use crate::runs::{Devices, RunsFigure};
-use crate::series::{
+use crate::results::finding;
+use crate::results::runs::{Devices, RunsFigure};
+use crate::results::series::{
     JOULE_TO_MILLIJOULE, device_position, end_of_motors, held_force, ideal_force, object_position,
 };
 

@@ -11,7 +11,7 @@ use palpate_study::sim::closed_loop::{Bench, LoopError, error_against};
 use palpate_study::sim::run::Run;
 use palpate_study::text::{lines, number, percent, plain_table};
 
-use crate::method_by_method;
+use crate::results::method_by_method;
 
 /// FRE in percent measured on the paper's device, or that the method failed.
 pub type Measured = [(MethodName, &'static str); 3];

@@ -5,11 +5,11 @@ use palpate_scene::Scene;
 use palpate_study::sim::run::{Reference, Run, Tick};
 use palpate_study::text::percent;
 
-use crate::series::{
+use crate::results::series::{
     FINE, JOULE_TO_MILLIJOULE, METRE_TO_MILLIMETRE, end_of_motors, ideal_device, ideal_force,
     ideal_object,
 };
-use crate::{finding, role};
+use crate::results::{finding, role};
 
 /// Returns the paper's Figs. 4 and 5: a row per method with positions and force, and the leaks of all methods below.
 /// `fine` is the paper's own reference loop.

@@ -4,7 +4,9 @@ use crate::figure::{Kind, Role, Series};
 use palpate_study::report::Replayed;
 use palpate_study::sim::run::{Reference, Run};
 
-use crate::series::{JOULE_TO_MILLIJOULE, METRE_TO_MILLIMETRE, ideal_device, ideal_object};
+use crate::results::series::{
+    JOULE_TO_MILLIJOULE, METRE_TO_MILLIMETRE, ideal_device, ideal_object,
+};
 use palpate_study::recording::RecordedCurves;
 
 /// Source of the device motion.
