@@ -80,7 +80,7 @@ fn run<S: Scalar>(
             output.object_velocity,
             output.penetration,
             output.transition_after,
-            output.placement_shift,
+            output.proxy_shift,
             ledger.stored,
             ledger.port_work,
             ledger.virtual_force_work,

@@ -786,7 +786,7 @@ typedef struct palpate_output {
    Shift of the object by coupled rendering over the last interval [m]; subtract it before drawing
    the object.
    */
-  double placement_shift;
+  double proxy_shift;
   /*
    Predicted contact phase in the coming interval.
    */
@@ -924,7 +924,7 @@ typedef struct palpate_output_f32 {
    Shift of the object by coupled rendering over the last interval [m]; subtract it before drawing
    the object.
    */
-  float placement_shift;
+  float proxy_shift;
   /*
    Predicted contact phase in the coming interval.
    */

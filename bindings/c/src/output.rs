@@ -115,7 +115,7 @@ pub struct Output<S> {
     pub transition_after: S,
     /// Shift of the object by coupled rendering over the last interval [m]; subtract it before drawing
     /// the object.
-    pub placement_shift: S,
+    pub proxy_shift: S,
     /// Predicted contact phase in the coming interval.
     pub phase: Phase,
     /// Reason for rejecting the sample.
@@ -142,7 +142,7 @@ impl<S: Number> Output<S> {
             object_velocity: S::ZERO,
             penetration: S::ZERO,
             transition_after: S::ZERO,
-            placement_shift: S::ZERO,
+            proxy_shift: S::ZERO,
             phase: Phase::Waiting,
             fault,
             limited: 0,
@@ -170,7 +170,7 @@ impl<S: Number> From<CoreOutput<S>> for Output<S> {
             object_velocity: output.object_velocity,
             penetration: output.penetration,
             transition_after: output.transition_after,
-            placement_shift: output.placement_shift,
+            proxy_shift: output.proxy_shift,
             phase: match output.phase {
                 CorePhase::Free => Phase::Free,
                 CorePhase::Contact => Phase::Contact,

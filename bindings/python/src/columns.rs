@@ -36,7 +36,7 @@ numbers! { NUMBERS, numbers, Tick, tick:
     "virtual_force_work_j" = tick.ledger.virtual_force_work,
     "outside_work_j" = tick.ledger.outside_work,
     "transition_after_s" = tick.output.transition_after,
-    "placement_shift_m" = tick.output.placement_shift,
+    "proxy_shift_m" = tick.output.proxy_shift,
 }
 
 numbers! { IDEAL, ideal_numbers, IdealPoint, point:

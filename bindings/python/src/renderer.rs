@@ -158,7 +158,7 @@ impl Renderer {
             output.penetration,
             output.phase.name(),
             output.transition_after,
-            output.placement_shift,
+            output.proxy_shift,
             PyTuple::new(py, limited)?,
             output.fault.map(|fault| fault.name()),
         );

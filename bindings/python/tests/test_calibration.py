@@ -151,9 +151,9 @@ def test_a_report_is_that_of_the_program(program: Any, found: palpate.Calibratio
 def test_a_report_has_recordings_and_a_calibration_that_was_just_made(
     found: palpate.Calibration, root: Path, tmp_path: Path
 ) -> None:
-    recording = "crates/palpate-record/tests/recording/golden-v1.mcap"
+    recording = "crates/palpate-record/tests/recording/golden.mcap"
     page = palpate.report(recording, device_file=found, method="basic")
-    assert page.timing and "Recording golden-v1.mcap" in page.obtained[0] and page._repr_html_().startswith("<pre>")
+    assert page.timing and "Recording golden.mcap" in page.obtained[0] and page._repr_html_().startswith("<pre>")
     mass = found.found["device_mass_kg"]
     assert any(one.key == "device_mass_kg" and one.value == mass.value for one in page.calibration.found)
     assert page.calibration.motion.measured_m

@@ -67,7 +67,7 @@ def test_rows_are_tables_of_pandas_and_polars(root: Path, kind: str) -> None:
     pytest.importorskip(kind)
     run = palpate.simulate(FIG2, ["basic", "coupled"])
     reach = palpate.map("basic", cells=2)
-    recording = palpate.read_recording("crates/palpate-record/tests/recording/golden-v1.mcap")
+    recording = palpate.read_recording("crates/palpate-record/tests/recording/golden.mcap")
     table, cells, ticks = (getattr(report, f"to_{kind}")() for report in (run, reach, recording))
     assert list(table.columns) == ["method", *palpate.TICK.names]
     assert list(table["method"]) == ["basic"] * len(run.ticks["basic"]) + ["coupled"] * len(run.ticks["coupled"])

@@ -12,7 +12,7 @@ import pytest
 import palpate
 
 CONTACT: dict[str, Any] = {"stiffness": 400.0, "mass": 0.1, "period": 1e-3, "device_mass": 0.25}
-PIPED = "force,force_on_object,object_position,object_velocity,penetration,placement_shift,phase,stored_energy"
+PIPED = "force,force_on_object,object_position,object_velocity,penetration,proxy_shift,phase,stored_energy"
 LEDGER = "port_work,virtual_force_work,outside_work,leak_original,leak_held"
 
 
@@ -38,7 +38,7 @@ def answered(renderer: palpate.Renderer, positions: list[float]) -> list[list[An
                 output.object_position,
                 output.object_velocity,
                 output.penetration,
-                output.placement_shift,
+                output.proxy_shift,
                 output.phase,
                 ledger.stored,
                 ledger.port_work,

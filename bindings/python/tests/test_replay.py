@@ -194,8 +194,8 @@ def test_what_is_no_recording_is_said(tap: Path, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="text.mcap"):
         palpate.replay(tmp_path / "text.mcap")
     # The recording's scene is not valid.
-    plain = ROOT / "crates/palpate-record/tests/recording/golden-v1.mcap"
-    with pytest.raises(ValueError, match=r"golden-v1.mcap \(scene\):1:1: the key object is missing"):
+    plain = ROOT / "crates/palpate-record/tests/recording/golden.mcap"
+    with pytest.raises(ValueError, match=r"golden.mcap \(scene\):1:1: the key object is missing"):
         palpate.replay(plain)
     with pytest.raises(TypeError, match="no parameter is called stifness"):
         palpate.replay(tap, stifness=1.0)

@@ -28,7 +28,7 @@ pub const COLUMNS: [&str; 22] = [
     "outside_work_j",
     "phase",
     "transition_after_s",
-    "placement_shift_m",
+    "proxy_shift_m",
     "limited",
     "fault",
     "method",

@@ -183,7 +183,7 @@ pub struct Output<S> {
     /// Shift of the object over the last interval, which compensates the effect of a held force on the device `[m]`.
     /// Subtract it before drawing the object. Only [`Coupled`](crate::Coupled) uses it; the sum of a wall's shifts is
     /// its offset from its true position.
-    pub placement_shift: S,
+    pub proxy_shift: S,
     /// Limits that changed the force.
     pub limited: Limited,
     /// Reason for rejecting the sample, if it was rejected.

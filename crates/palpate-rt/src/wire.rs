@@ -13,7 +13,7 @@ pub fn answered(output: &Output<f64>, ledger: &Ledger<f64>) -> ContactTick {
         object_position: output.object_position,
         object_velocity: output.object_velocity,
         penetration: output.penetration,
-        placement_shift: output.placement_shift,
+        proxy_shift: output.proxy_shift,
         force_on_object: output.force_on_object,
         force_on_device: output.force_on_device,
         phase: phase(output.phase),
@@ -81,7 +81,7 @@ mod tests {
             penetration: 5.0,
             phase: palpate_core::Phase::Enters,
             transition_after: -1.0,
-            placement_shift: 6.0,
+            proxy_shift: 6.0,
             limited: palpate_core::Limited {
                 slew: true,
                 ..palpate_core::Limited::default()
@@ -102,7 +102,7 @@ mod tests {
             object_position: 3.0,
             object_velocity: 4.0,
             penetration: 5.0,
-            placement_shift: 6.0,
+            proxy_shift: 6.0,
             stored_energy: 7.0,
             port_work: 8.0,
             virtual_force_work: 9.0,

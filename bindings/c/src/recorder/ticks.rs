@@ -191,7 +191,7 @@ struct Answer {
     object_velocity: f64,
     penetration: f64,
     transition_after: f64,
-    placement_shift: f64,
+    proxy_shift: f64,
     phase: u32,
     fault: u32,
     limited: u32,
@@ -201,7 +201,7 @@ struct Answer {
 const _: () = {
     use core::mem::offset_of;
     assert!(size_of::<Answer>() == size_of::<Output<f64>>());
-    assert!(offset_of!(Answer, placement_shift) == offset_of!(Output<f64>, placement_shift));
+    assert!(offset_of!(Answer, proxy_shift) == offset_of!(Output<f64>, proxy_shift));
     assert!(offset_of!(Answer, phase) == offset_of!(Output<f64>, phase));
     assert!(offset_of!(Answer, limited) == offset_of!(Output<f64>, limited));
     assert!(size_of::<WorldAnswer>() == size_of::<WorldOutput>());
@@ -225,7 +225,7 @@ impl Answer {
             object_velocity: self.object_velocity,
             penetration: self.penetration,
             transition_after: self.transition_after,
-            placement_shift: self.placement_shift,
+            proxy_shift: self.proxy_shift,
             phase: match self.phase {
                 phase if phase == Phase::Free as u32 => CorePhase::Free,
                 phase if phase == Phase::Contact as u32 => CorePhase::Contact,

@@ -103,7 +103,7 @@ static void run(const char *method, double object_position, const double *positi
     put(output.object_velocity);
     put(output.penetration);
     put(output.transition_after);
-    put(output.placement_shift);
+    put(output.proxy_shift);
     put(ledger.stored);
     put(ledger.port_work);
     put(ledger.virtual_force_work);

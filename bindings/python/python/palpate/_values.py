@@ -22,7 +22,7 @@ class Output(NamedTuple):
     """Predicted phase of the coming interval: one of `palpate.PHASES`."""
     transition_after: float
     """Time from this sample to the predicted transition [s]; 0 without a transition."""
-    placement_shift: float
+    proxy_shift: float
     """Shift of the object by `coupled` over the last interval [m]; 0 for other methods."""
     limited: tuple[str, ...]
     """Limits that changed the force: those of `palpate.LIMITS`, `soft-start`, and `safety-stop`: the loop has

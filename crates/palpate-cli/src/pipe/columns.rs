@@ -26,7 +26,7 @@ const OF_ROW: [(&str, Option<&str>); 15] = [
     ("object_position_m", None),
     ("object_velocity_m_per_s", None),
     ("penetration_m", None),
-    ("placement_shift_m", None),
+    ("proxy_shift_m", None),
     ("phase", None),
     ("stored_energy_j", None),
     ("port_work_j", None),

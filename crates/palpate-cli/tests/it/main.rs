@@ -3,6 +3,7 @@
 mod actuation;
 mod arguments;
 mod calibrate;
+mod committed_recording;
 mod common;
 mod compare;
 mod eighty_columns;
@@ -18,7 +19,6 @@ mod pipe_limits;
 mod pipe_stream;
 mod pipe_world;
 mod recording;
-mod recording_format_1;
 mod recording_hand;
 mod recordings;
 mod render;

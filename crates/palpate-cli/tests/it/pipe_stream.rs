@@ -50,7 +50,7 @@ fn columns_come_in_the_order_they_are_asked_for() {
 #[test]
 fn every_column_has_a_name_with_its_unit_and_a_value() {
     let all = "force,force_on_object,time,device_position,object_position,object_velocity,\
-               penetration,placement_shift,phase,stored_energy,port_work,virtual_force_work,\
+               penetration,proxy_shift,phase,stored_energy,port_work,virtual_force_work,\
                outside_work,leak_original,leak_held,limited,fault";
     let answer = pipe(
         &format!(
@@ -64,7 +64,7 @@ fn every_column_has_a_name_with_its_unit_and_a_value() {
     assert_eq!(
         header,
         "force_on_device_n,force_on_object_n,t_s,device_position_m,object_position_m,\
-         object_velocity_m_per_s,penetration_m,placement_shift_m,phase,stored_energy_j,\
+         object_velocity_m_per_s,penetration_m,proxy_shift_m,phase,stored_energy_j,\
          port_work_j,virtual_force_work_j,outside_work_j,leak_original_j,leak_held_j,limited,fault"
     );
     let lines: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();

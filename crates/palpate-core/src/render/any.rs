@@ -149,11 +149,11 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     }
 
     #[inline]
-    fn placement_shift(&self, memory: &AnyMemory<S>) -> S {
+    fn proxy_shift(&self, memory: &AnyMemory<S>) -> S {
         match self {
             Self::Basic(_) => S::ZERO,
             $(Self::$Variant(method) => {
-                method.placement_shift(&part!(memory $($own)? $($shared)?))
+                method.proxy_shift(&part!(memory $($own)? $($shared)?))
             })*
         }
     }

@@ -500,7 +500,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
     }
 
     #[inline]
-    fn placement_shift(&self, memory: &CoupledMemory<S>) -> S {
+    fn proxy_shift(&self, memory: &CoupledMemory<S>) -> S {
         memory.shift
     }
 }

@@ -79,7 +79,7 @@ pub trait Method<S: Scalar>: Copy + Debug {
     /// Returns the shift of the object in the last interval, by which the held force does not change its motion
     /// relative to the device `[m]`.
     #[inline]
-    fn placement_shift(&self, _memory: &Self::Memory) -> S {
+    fn proxy_shift(&self, _memory: &Self::Memory) -> S {
         S::ZERO
     }
 

@@ -479,7 +479,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             penetration,
             phase,
             transition_after,
-            placement_shift: self.sign * self.method.placement_shift(&state.memory) + S::ZERO,
+            proxy_shift: self.sign * self.method.proxy_shift(&state.memory) + S::ZERO,
             limited,
             fault: None,
         })
@@ -563,7 +563,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             penetration: S::ZERO,
             phase: Phase::Waiting,
             transition_after: S::ZERO,
-            placement_shift: S::ZERO,
+            proxy_shift: S::ZERO,
             limited: Limited::default(),
             fault: Some(fault),
         }

@@ -185,7 +185,7 @@ fn new_parameters_are_outside_work_of_the_energy_they_change() {
             // The interval in progress ends under the new parameters.
             let next = after.step(&mut state, device_at(11));
             if mass == f64::INFINITY {
-                let placed = output.object_position + next.placement_shift;
+                let placed = output.object_position + next.proxy_shift;
                 assert!((next.object_position - placed).abs() < 1e-15, "{name}");
                 assert_eq!(next.object_velocity, 0.0, "{name}");
             } else if !name.starts_with("damper") && !name.starts_with("coupled") {

@@ -149,7 +149,7 @@ fn a_wall_never_moves_whatever_presses_it_but_by_placement() {
                 .with_virtual_force(random.between(-100.0, 100.0))
                 .after(PERIOD * random.between(0.1, 3.0));
             let output = renderer.step(&mut state, sample);
-            placed += output.placement_shift;
+            placed += output.proxy_shift;
             if name == "coupled" {
                 assert!((output.object_position - placed).abs() < 1e-15, "{name}");
             } else {

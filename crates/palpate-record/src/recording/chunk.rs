@@ -32,41 +32,25 @@ pub(super) struct Content {
     /// Layouts of the types of ticks, contacts, bodies and devices, by their numbers.
     layouts: BTreeMap<u16, Arc<Layout>>,
     channels: BTreeMap<u16, Channel>,
-    /// Layout of ticks whose type the file does not contain.
-    ticks_by_format: Arc<Layout>,
     gather: Gather,
     pub loss: Loss,
 }
 
 impl Content {
-    /// Creates the initial state for a recording of this format.
-    pub fn of_format(format: u32) -> Self {
-        let ticks = Arc::new(match format {
-            1 => Layout::of_format_1(),
-            _ => Layout::of_tick(),
-        });
-        let of_ticks = Channel::Rows(Arc::clone(&ticks));
-        // Channels as this program writes them; a chunk with other channels overrides them.
-        let channels = match format {
-            1 => [(1, of_ticks), (2, Channel::Events)].into(),
-            _ => {
-                let of_contacts = Channel::Rows(Arc::new(Layout::of_contact()));
-                let of_bodies = Channel::Rows(Arc::new(Layout::of_body()));
-                let of_devices = Channel::Rows(Arc::new(Layout::of_device()));
-                [
-                    (1, of_ticks),
-                    (2, of_contacts),
-                    (3, Channel::Events),
-                    (4, of_bodies),
-                    (5, of_devices),
-                ]
-                .into()
-            }
-        };
+    /// Creates the state at the beginning of a recording, with the channels as this program writes them; a chunk with
+    /// other channels overrides them.
+    pub fn new() -> Self {
+        let rows = |layout| Channel::Rows(Arc::new(layout));
         Self {
             layouts: BTreeMap::new(),
-            channels,
-            ticks_by_format: ticks,
+            channels: [
+                (1, rows(Layout::of_tick())),
+                (2, rows(Layout::of_contact())),
+                (3, Channel::Events),
+                (4, rows(Layout::of_body())),
+                (5, rows(Layout::of_device())),
+            ]
+            .into(),
             gather: Gather::default(),
             loss: Loss::default(),
         }
@@ -134,7 +118,7 @@ impl Content {
         }
         match parse_record(opcode, record).map_err(|_| "it does not contain records".to_owned())? {
             Record::Schema { header, data }
-                if [schema::TICK, schema::CONTACT, schema::BODY]
+                if [schema::TICK, schema::CONTACT, schema::BODY, schema::DEVICE]
                     .contains(&header.name.as_str()) =>
             {
                 let layout = std::str::from_utf8(&data)
@@ -144,6 +128,7 @@ impl Content {
                         let of = match header.name.as_str() {
                             schema::TICK => "ticks",
                             schema::BODY => "bodies",
+                            schema::DEVICE => "devices",
                             _ => "contacts",
                         };
                         format!("the type of the {of}: {why}")
@@ -154,9 +139,9 @@ impl Content {
                 let messages = || self.layouts.get(&channel.schema_id).map(Arc::clone);
                 let known = match channel.topic.as_str() {
                     _ if channel.message_encoding != MESSAGE_ENCODING => Channel::Other,
-                    TICK_TOPIC => Channel::Rows(
-                        messages().unwrap_or_else(|| Arc::clone(&self.ticks_by_format)),
-                    ),
+                    TICK_TOPIC => {
+                        Channel::Rows(messages().unwrap_or_else(|| Arc::new(Layout::of_tick())))
+                    }
                     CONTACT_TOPIC => {
                         Channel::Rows(messages().unwrap_or_else(|| Arc::new(Layout::of_contact())))
                     }
@@ -196,7 +181,7 @@ impl Content {
             Holds::Contact => "a message is not a contact",
             Holds::Body => "a message is not a body",
             Holds::Device => "a message is not a device",
-            Holds::Tick | Holds::Both => "a message is not a tick",
+            Holds::Tick => "a message is not a tick",
         })?;
         let whole = match layout.holds {
             Holds::Device => {
@@ -206,7 +191,6 @@ impl Content {
             Holds::Tick => self.gather.tick(row.tick)?,
             Holds::Contact => self.gather.contact(row.contact)?,
             Holds::Body => self.gather.body(row.body),
-            Holds::Both => Some((row.tick, vec![row.contact], Vec::new(), Vec::new())),
         };
         whole.map(|whole| self.whole(whole)).transpose()
     }

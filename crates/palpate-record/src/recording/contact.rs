@@ -32,9 +32,9 @@ part_of_row! {
     penetration: f64, "m", live,
         "penetration of the device into the object; positive in contact, on either side of the object",
         "penetration_m";
-    placement_shift: f64, "m", table,
+    proxy_shift: f64, "m", table,
         "shift of the object by `coupled` over the interval before the sample; 0 for other methods",
-        "placement_shift_m";
+        "proxy_shift_m";
     force_on_object: f64, "N", table,
         "force of the renderer on the object, before the safety limits",
         "force_on_object_n";

@@ -131,7 +131,7 @@ mod tests {
             let _ = Event::decode(&bytes);
             let marked = [&[0, 1, 0, 0], bytes.as_slice()].concat();
             let _ = Event::decode(&marked);
-            for layout in [Layout::of_tick(), Layout::of_contact(), Layout::of_format_1()] {
+            for layout in [Layout::of_tick(), Layout::of_contact(), Layout::of_device()] {
                 let _ = (layout.decode(&bytes), layout.decode(&marked));
             }
         }

@@ -1,14 +1,11 @@
 //! Columns and metadata common to the tables of a recording.
 
 use super::table::table;
-use super::{Column, Recording};
+use super::{Column, Recording, VERSION};
 
 /// Returns the columns of the rows.
 pub(super) fn columns(recording: &Recording) -> Vec<&'static Column> {
-    table(
-        recording.format,
-        recording.has_one_contact_each && !recording.has_bodies,
-    )
+    table(recording.has_one_contact_each && !recording.has_bodies)
 }
 
 /// Returns the names of columns.
@@ -20,7 +17,7 @@ pub(super) fn names(columns: &[&'static Column]) -> Vec<&'static str> {
 pub(super) fn metadata(recording: &Recording) -> Vec<(String, String)> {
     let facts = [
         ("recording", recording.path().display().to_string()),
-        ("recording_format", recording.format.to_string()),
+        ("recording_format", VERSION.to_string()),
         (
             "palpate_version",
             recording.metadata.palpate_version.clone(),

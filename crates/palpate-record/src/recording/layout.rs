@@ -5,8 +5,6 @@
 
 use super::cdr::Reader;
 use super::column::Column;
-use super::state::Flags;
-use super::table::FORMAT_1;
 use super::{BodyTick, ContactTick, DeviceTick, Row, Tick, schema};
 
 /// The fields of a message, in order.
@@ -27,8 +25,6 @@ pub(super) enum Holds {
     Body,
     /// One of the devices of a tick.
     Device,
-    /// Tick and its only contact: a message of format 1.
-    Both,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -50,14 +46,13 @@ impl Holds {
             Self::Contact => of(ContactTick::COLUMNS),
             Self::Body => of(BodyTick::COLUMNS),
             Self::Device => of(DeviceTick::COLUMNS),
-            Self::Both => Column::named(name),
         }
     }
 
     /// Returns the columns that a message must have.
     fn needed(self) -> [&'static str; 2] {
         match self {
-            Self::Tick | Self::Both => ["sequence", "t_s"],
+            Self::Tick => ["sequence", "t_s"],
             Self::Contact => ["sequence", "contact"],
             Self::Body => ["sequence", "body"],
             Self::Device => ["sequence", "device"],
@@ -90,14 +85,8 @@ impl Layout {
         Self::new(Holds::Device, fields)
     }
 
-    /// Returns the layout of a tick and its contact in format 1.
-    pub fn of_format_1() -> Self {
-        let columns = FORMAT_1.iter().filter_map(|name| Column::named(name));
-        Self::new(Holds::Both, columns.map(Field::Column).collect())
-    }
-
     /// Parses the type of a message of this name, or returns the reason why it is not that of a tick, a contact, a
-    /// body or a device. A tick without the number of its contacts is one of format 1.
+    /// body or a device.
     pub fn of_schema(name: &str, text: &str) -> Result<Self, String> {
         let mut fields = Vec::new();
         for line in text.lines() {
@@ -116,8 +105,7 @@ impl Layout {
             schema::CONTACT => Holds::Contact,
             schema::BODY => Holds::Body,
             schema::DEVICE => Holds::Device,
-            _ if has("contacts") => Holds::Tick,
-            _ => Holds::Both,
+            _ => Holds::Tick,
         };
         for needed in holds.needed() {
             if !has(needed) {
@@ -144,11 +132,6 @@ impl Layout {
                 Field::Unknown(size) => bytes.skip(*size)?,
                 Field::UnknownText => drop(bytes.text()?),
             }
-        }
-        if self.holds == Holds::Both {
-            row.tick.contacts = 1;
-            row.contact.sequence = row.tick.sequence;
-            row.contact.flags = row.tick.flags.among(Flags::OF_CONTACT);
         }
         bytes.is_at_end().then_some(row)
     }
@@ -221,7 +204,7 @@ mod tests {
         let layout = Layout::of_schema(
             schema::TICK,
             "uint8 spin\nuint64 sequence # all of them\nstring colour\nfloat64 t_s\n\
-             uint8 SPIN_UP=1\n\nfloat32 heat\nfloat64 penetration_m\n",
+             uint8 SPIN_UP=1\n\nfloat32 heat\nfloat64 lateness_s\n",
         )
         .unwrap();
         let mut message = vec![0, 1, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0];
@@ -232,11 +215,9 @@ mod tests {
         // The next field is aligned to a multiple of eight.
         message.extend([0; 4]);
         message.extend((-0.5_f64).to_le_bytes());
-        let Row { tick, contact, .. } = layout.decode(&message).unwrap();
-        assert_eq!(layout.holds, Holds::Both);
-        assert_eq!((tick.sequence, tick.time, tick.contacts), (5, 0.25, 1));
-        assert_eq!((contact.sequence, contact.penetration), (5, -0.5));
-        assert!(contact.force_on_device.is_nan() && tick.device_axes[2].is_nan());
+        let Row { tick, .. } = layout.decode(&message).unwrap();
+        assert_eq!((tick.sequence, tick.time, tick.lateness), (5, 0.25, -0.5));
+        assert!(tick.period.is_nan() && tick.device_axes[2].is_nan());
         assert_eq!(tick.generation, 0);
         message.push(0);
         assert_eq!(layout.decode(&message), None, "a byte more");

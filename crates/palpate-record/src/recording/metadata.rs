@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::files::checksum::Checksum;
 use mcap::records::Metadata;
 
-use super::{READ, VERSION};
+use super::VERSION;
 
 /// Name of the metadata record.
 pub(super) const RECORD: &str = "palpate";
@@ -88,30 +88,27 @@ impl RecordingMetadata {
         })
     }
 
-    /// Reads the metadata record. Returns the format of the recording and its metadata, or a description of the
-    /// error.
-    pub(super) fn from_metadata(record: Metadata) -> Result<(u32, Self), String> {
+    /// Reads the metadata record. Returns a description of the error if it is not one of a recording of this format.
+    pub(super) fn from_metadata(record: Metadata) -> Result<Self, String> {
         let mut entries = record.metadata;
         let format = entries.get(FORMAT).filter(|_| record.name == RECORD);
         let Some(format) = format else {
             return Err("an MCAP file, but not a recording of palpate".into());
         };
-        let Some(format) = READ.into_iter().find(|read| *format == read.to_string()) else {
+        if *format != VERSION.to_string() {
             return Err(format!(
-                "a recording of format {format}; this version of palpate reads the formats {}",
-                READ.map(|read| read.to_string()).join(" and ")
+                "a recording of format {format}; this version of palpate reads format {VERSION}"
             ));
-        };
+        }
         let claimed = entries.remove(CHECKSUM);
         if claimed != Some(checksum(&entries)) {
             return Err("the metadata at its start is damaged: its checksum does not match".into());
         }
         entries.remove(FORMAT);
-        let metadata = Self {
+        Ok(Self {
             palpate_version: entries.remove(PROGRAM).unwrap_or_default(),
             texts: entries,
-        };
-        Ok((format, metadata))
+        })
     }
 }
 
@@ -138,8 +135,8 @@ mod tests {
         let record = metadata.to_metadata().unwrap();
         assert_eq!(record.metadata["recording_format"], "2");
         assert_eq!(record.metadata["palpate_version"], "0.1.0");
-        let (format, read) = RecordingMetadata::from_metadata(record).unwrap();
-        assert_eq!((format, &read), (2, &metadata));
+        let read = RecordingMetadata::from_metadata(record).unwrap();
+        assert_eq!(read, metadata);
         assert_eq!(read.file("hand.csv"), Some("t_s,position_m\n"));
         assert_eq!(read.file("scene"), None);
     }
@@ -170,13 +167,15 @@ mod tests {
     }
 
     #[test]
-    fn a_newer_format_is_refused_by_its_number() {
-        let mut record = RecordingMetadata::new("9.0.0").to_metadata().unwrap();
-        record.metadata.insert(FORMAT.into(), "3".into());
-        assert_eq!(
-            RecordingMetadata::from_metadata(record).unwrap_err(),
-            "a recording of format 3; this version of palpate reads the formats 1 and 2"
-        );
+    fn another_format_is_refused_by_its_number() {
+        for format in ["1", "3"] {
+            let mut record = RecordingMetadata::new("9.0.0").to_metadata().unwrap();
+            record.metadata.insert(FORMAT.into(), format.into());
+            assert_eq!(
+                RecordingMetadata::from_metadata(record).unwrap_err(),
+                format!("a recording of format {format}; this version of palpate reads format 2")
+            );
+        }
     }
 
     #[test]

@@ -84,10 +84,8 @@ pub use table::columns;
 pub use tick::Tick;
 pub use write::{RecordingWriter, Summary};
 
-/// Version of the format that is written.
+/// Version of the format.
 const VERSION: u32 = 2;
-/// Versions of the format that are read.
-const READ: [u32; 2] = [1, VERSION];
 /// Topics of the channels.
 const TICK_TOPIC: &str = "/tick";
 const CONTACT_TOPIC: &str = "/contact";

@@ -54,8 +54,6 @@ pub enum Entry {
 pub struct Recording {
     /// Metadata of the recording.
     pub metadata: RecordingMetadata,
-    /// Version of its format.
-    pub format: u32,
     /// Number of recorded ticks.
     pub ticks: u64,
     /// Number of events.
@@ -108,7 +106,6 @@ impl Recording {
         let mut walk = Walk::begin(BufReader::new(source)).map_err(named)?;
         let mut recording = Self {
             metadata: RecordingMetadata::new(""),
-            format: 0,
             ticks: 0,
             events: 0,
             first: None,
@@ -154,7 +151,7 @@ impl Recording {
                 }
             }
         }
-        (recording.format, recording.metadata) = walk.metadata().map_err(named)?;
+        recording.metadata = walk.metadata().map_err(named)?;
         recording.counted = walk.count();
         recording.length = walk.passed() + torn;
         let mut loss = walk.loss();

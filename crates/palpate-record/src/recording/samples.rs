@@ -36,7 +36,7 @@ pub fn row(sequence: u64, contact: u32) -> Row {
             object_position: of(32),
             object_velocity: of(33),
             penetration: of(34),
-            placement_shift: of(35),
+            proxy_shift: of(35),
             force_on_object: of(36),
             force_on_device: of(37),
             stored_energy: of(38),

@@ -236,7 +236,7 @@ mod tests {
                 ("object_position_m", c.object_position),
                 ("object_velocity_m_per_s", c.object_velocity),
                 ("penetration_m", c.penetration),
-                ("placement_shift_m", c.placement_shift),
+                ("proxy_shift_m", c.proxy_shift),
                 ("force_on_object_n", c.force_on_object),
                 ("force_on_device_n", c.force_on_device),
                 ("stored_energy_j", c.stored_energy),

@@ -116,12 +116,6 @@ impl Flags {
         }
     }
 
-    /// Returns the flags that are also in `others`.
-    #[must_use]
-    pub const fn among(self, others: Self) -> Self {
-        Self(self.0 & others.0)
-    }
-
     /// Returns whether all of `others` are set.
     #[must_use]
     pub fn has(self, others: Self) -> bool {

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use super::{Column, ContactTick, Shown, Tick};
 
-/// Columns of a message of format 1, in order. Such a message is now a line of a table. This list is frozen.
-pub(super) const FORMAT_1: [&str; 25] = [
+/// First columns of every table, in order: those of a tick and of its contact that a reader looks for first.
+const FIRST: [&str; 25] = [
     "sequence",
     "t_s",
     "lateness_s",
@@ -17,7 +17,7 @@ pub(super) const FORMAT_1: [&str; 25] = [
     "object_position_m",
     "object_velocity_m_per_s",
     "penetration_m",
-    "placement_shift_m",
+    "proxy_shift_m",
     "force_on_object_n",
     "force_on_device_n",
     "stored_energy_j",
@@ -33,13 +33,13 @@ pub(super) const FORMAT_1: [&str; 25] = [
     "phase",
 ];
 
-/// Returns all columns of a [`Row`](super::Row), in the order of tables and the live page: first those of format 1,
-/// in its order, then later ones of the tick and of the contact.
+/// Returns all columns of a [`Row`](super::Row), in the order of tables and the live page: first [`FIRST`],
+/// then the others of the tick and of the contact.
 #[must_use]
 pub fn columns() -> &'static [&'static Column] {
     static COLUMNS: LazyLock<Vec<&'static Column>> = LazyLock::new(|| {
-        let first = FORMAT_1.iter().filter_map(|name| Column::named(name));
-        let is_later = |column: &&Column| !FORMAT_1.contains(&column.name);
+        let first = FIRST.iter().filter_map(|name| Column::named(name));
+        let is_later = |column: &&Column| !FIRST.contains(&column.name);
         let later = Tick::COLUMNS.iter().chain(ContactTick::COLUMNS);
         first.chain(later.filter(is_later)).collect()
     });
@@ -47,10 +47,10 @@ pub fn columns() -> &'static [&'static Column] {
 }
 
 /// Returns the columns of a row that a table of a recording contains.
-pub(super) fn table(format: u32, has_one_contact_each: bool) -> Vec<&'static Column> {
+pub(super) fn table(has_one_contact_each: bool) -> Vec<&'static Column> {
     let is_there = |column: &&&'static Column| match column.shown {
-        _ if FORMAT_1.contains(&column.name) => true,
-        Shown::Live | Shown::InTables => format > 1,
+        _ if FIRST.contains(&column.name) => true,
+        Shown::Live | Shown::InTables => true,
         Shown::OfSeveralContacts => !has_one_contact_each,
     };
     columns().iter().filter(is_there).copied().collect()
@@ -61,16 +61,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_table_of_format_1_has_its_columns_and_one_of_several_contacts_has_all() {
+    fn a_table_of_one_contact_lacks_some_columns_and_one_of_several_contacts_has_all() {
         let names = |columns: Vec<&Column>| {
             let names = columns.iter().map(|column| column.name);
             names.collect::<Vec<_>>()
         };
-        assert_eq!(names(table(1, true)), FORMAT_1);
-        let one = names(table(2, true));
-        assert_eq!(one[..25], FORMAT_1);
+        let one = names(table(true));
+        assert_eq!(one[..25], FIRST);
         assert!(one.contains(&"delivered_torque_3_n_m") && !one.contains(&"contact"));
-        let several = names(table(2, false));
+        let several = names(table(false));
         for name in ["contacts", "contact", "contact_flags"] {
             assert!(several.contains(&name), "{name}");
         }

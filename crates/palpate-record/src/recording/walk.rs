@@ -9,7 +9,7 @@ use super::chunk::Content;
 use super::frames::{Frame, Frames};
 use super::loss::Loss;
 use super::read::Entry;
-use super::{LoopCount, RecordingMetadata, VERSION, WHOLE, count, metadata};
+use super::{LoopCount, RecordingMetadata, WHOLE, count, metadata};
 
 /// Start of the library field in the header of this program's recordings, before a version.
 pub(super) const LIBRARY: &str = "palpate ";
@@ -21,8 +21,8 @@ pub(super) struct Walk<R> {
     content: Content,
     /// Whether another tool wrote the file: this program's files meet stricter requirements than MCAP.
     is_foreign: bool,
-    /// Format of the recording and its metadata.
-    metadata: Option<(u32, RecordingMetadata)>,
+    /// Metadata of the recording, if they have been read.
+    metadata: Option<RecordingMetadata>,
     count: Option<LoopCount>,
     /// Whether all chunks have been read.
     in_summary: bool,
@@ -68,7 +68,7 @@ impl<R: Read> Walk<R> {
         let frames = Frames::begin(source)?;
         let mut walk = Self {
             frames: frames.ok_or_else(|| invalid("not an MCAP file, so no recording"))?,
-            content: Content::of_format(VERSION),
+            content: Content::new(),
             is_foreign: false,
             metadata: None,
             count: None,
@@ -92,9 +92,7 @@ impl<R: Read> Walk<R> {
                         }
                         Ok(Record::Metadata(record)) => {
                             let metadata = RecordingMetadata::from_metadata(record);
-                            let (format, metadata) = metadata.map_err(Refused::Invalid)?;
-                            walk.content = Content::of_format(format);
-                            walk.metadata = Some((format, metadata));
+                            walk.metadata = Some(metadata.map_err(Refused::Invalid)?);
                             return Ok(walk);
                         }
                         _ => break,
@@ -106,8 +104,8 @@ impl<R: Read> Walk<R> {
         Err(invalid(NO_RECORDING))
     }
 
-    /// Returns format and metadata, which have been read; or the reason why there are none.
-    pub fn metadata(&mut self) -> Result<(u32, RecordingMetadata), Refused> {
+    /// Returns the metadata, which have been read; or the reason why there are none.
+    pub fn metadata(&mut self) -> Result<RecordingMetadata, Refused> {
         self.metadata
             .take()
             .ok_or_else(|| Refused::Invalid(NO_RECORDING.into()))

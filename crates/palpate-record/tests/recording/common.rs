@@ -12,7 +12,8 @@ use palpate_record::recording::{
 pub fn row(sequence: u64) -> Row {
     let t = sequence as f64 / 1000.0;
     let of = |quantity: f64| quantity / 3.0 + t;
-    let Row { tick, contact, .. } = row_of_format_1(sequence);
+    let position = 0.02 * (9.0 * t).sin();
+    let flags = Flags::CONTACT.with(Flags::LIMITED_SLEW, sequence.is_multiple_of(2));
     Row {
         tick: Tick {
             device_orientation: [of(12.0), of(13.0), f64::NAN, -0.0],
@@ -20,21 +21,6 @@ pub fn row(sequence: u64) -> Row {
             commanded_torque: [of(17.0), of(18.0), of(19.0)],
             delivered_force: [of(20.0), of(21.0), of(22.0)],
             delivered_torque: [of(23.0), of(24.0), f64::NEG_INFINITY],
-            ..tick
-        },
-        contact,
-        ..Row::UNKNOWN
-    }
-}
-
-/// Returns the part of it that a recording of format 1 contains.
-pub fn row_of_format_1(sequence: u64) -> Row {
-    let t = sequence as f64 / 1000.0;
-    let of = |quantity: f64| quantity / 3.0 + t;
-    let position = 0.02 * (9.0 * t).sin();
-    let flags = Flags::CONTACT.with(Flags::LIMITED_SLEW, sequence.is_multiple_of(2));
-    Row {
-        tick: Tick {
             sequence,
             time: t,
             lateness: 1e-6 * of(1.0),
@@ -55,7 +41,7 @@ pub fn row_of_format_1(sequence: u64) -> Row {
             object_position: 0.01 + 0.001 * (31.0 * t).cos(),
             object_velocity: -of(3.0),
             penetration: of(4.0),
-            placement_shift: -0.0,
+            proxy_shift: -0.0,
             force_on_object: of(5.0),
             force_on_device: -of(5.0),
             stored_energy: of(6.0),

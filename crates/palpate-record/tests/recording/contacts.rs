@@ -75,7 +75,6 @@ fn every_contact_of_every_tick_is_read() {
     let scratch = Scratch::new();
     let recording = scratch.open(&small(true).0).unwrap();
     assert!(recording.is_complete() && !recording.has_one_contact_each);
-    assert_eq!(recording.format, 2);
     assert_eq!(numbers(&recording), (0..12).collect::<Vec<_>>());
     // Three rows for most ticks, and one for each of two ticks without contacts.
     assert_eq!(recording.rows().unwrap().count(), 3 * 10 + 2);

@@ -243,9 +243,7 @@ fn a_recording_of_a_newer_format_is_refused_by_its_number() {
     newer[at.unwrap() + from.len() - 1] = b'3';
     let error = Scratch::new().open(&newer).unwrap_err().to_string();
     assert!(
-        error.ends_with(
-            "a recording of format 3; this version of palpate reads the formats 1 and 2"
-        ),
+        error.ends_with("a recording of format 3; this version of palpate reads format 2"),
         "{error}"
     );
 }

@@ -214,7 +214,7 @@ fn any_contact() -> impl Strategy<Value = ContactTick> {
             object_position: of(1),
             object_velocity: of(2),
             penetration: of(3),
-            placement_shift: of(4),
+            proxy_shift: of(4),
             force_on_object: of(5),
             force_on_device: of(6),
             stored_energy: of(7),

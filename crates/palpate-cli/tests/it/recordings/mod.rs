@@ -53,7 +53,7 @@ pub fn row(run: &Run, at: usize) -> Row {
             object_position: tick.output.object_position,
             object_velocity: tick.output.object_velocity,
             penetration: tick.output.penetration,
-            placement_shift: tick.output.placement_shift,
+            proxy_shift: tick.output.proxy_shift,
             force_on_object: tick.output.force_on_object,
             force_on_device: tick.output.force_on_device,
             stored_energy: ledger.stored,

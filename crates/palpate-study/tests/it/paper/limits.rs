@@ -162,7 +162,7 @@ fn coupled_places_a_wall_by_its_shifts_while_it_is_touched_and_puts_it_back() {
         let (mut shifts, mut farthest) = (0.0, 0.0_f64);
         for tick in &run.ticks {
             let at = tick.output.object_position;
-            shifts += tick.output.placement_shift;
+            shifts += tick.output.proxy_shift;
             farthest = farthest.max(at.abs());
             assert!(
                 (at - shifts).abs() <= 1e-12 * farthest,
