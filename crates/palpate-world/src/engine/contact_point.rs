@@ -1,9 +1,9 @@
 //! A contact point between a proxy and an image.
 
 use crate::Mode;
-use crate::contact_point::SAME_FACE;
-use crate::law::{PointLaw, carried};
-use crate::rigid::Vector3;
+use crate::contact::law::{PointLaw, carried};
+use crate::contact::point::SAME_FACE;
+use crate::geometry::rigid::Vector3;
 
 /// State of a contact point, and its sums since the period began.
 #[derive(Clone, Copy, Debug)]

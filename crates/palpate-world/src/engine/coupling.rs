@@ -9,14 +9,14 @@ use super::pairs::Pair;
 use super::state::{
     BodyPortLedger, EngineContact, EngineLedger, EngineState, Period, PortLedger, TrackedDevice,
 };
-use crate::commands::Commands;
-use crate::interval::MAX_TIMES;
-use crate::ledger::CreatedAtPorts;
+use crate::device::commands::Commands;
+use crate::device::observer::{AxisForce, AxisMotion};
+use crate::device::tracking::Tracking;
+use crate::dynamics::ledger::CreatedAtPorts;
+use crate::dynamics::moving_body::{Drive, Part};
+use crate::geometry::rigid::{Mobility, Rigid, Rotation, Vector3};
+use crate::integration::interval::MAX_TIMES;
 use crate::method::coupled::{Coupled, MIN_FORCE};
-use crate::moving_body::{Drive, Part};
-use crate::observer::{AxisForce, AxisMotion};
-use crate::rigid::{Mobility, Rigid, Rotation, Vector3};
-use crate::tracking::Tracking;
 use crate::{
     ContactLedger, CoupledParams, Effort, Limited, Mode, Sample, Tool, ToolState, Vector,
     WorldError, WorldField, WorldGuard, WorldLoop, WorldPart,

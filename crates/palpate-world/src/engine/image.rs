@@ -3,7 +3,7 @@
 use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector6};
 
 use super::body::{BodyNow, BodyWrench, Stepping};
-use crate::rigid::{Rigid, Rotation, Vector3};
+use crate::geometry::rigid::{Rigid, Rotation, Vector3};
 
 /// Image of a body in motion.
 #[derive(Clone, Copy, Debug)]

@@ -3,9 +3,9 @@
 use super::contact_point::Touch;
 use super::image::Image;
 use super::pairs::{Pair, Toucher};
-use crate::interval::{Fastest, SubStepped, integrate, whole};
-use crate::moving_body::Part;
-use crate::rigid::Vector3;
+use crate::dynamics::moving_body::Part;
+use crate::geometry::rigid::Vector3;
+use crate::integration::interval::{Fastest, SubStepped, integrate, whole};
 use crate::{Effort, MAX_POINTS, SubSteps};
 
 /// Proxies and images in motion.

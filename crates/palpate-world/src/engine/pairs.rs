@@ -5,9 +5,9 @@ use std::sync::Arc;
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::body::EngineBody;
-use crate::law::PointLaw;
-use crate::rigid::{Rigid, Rotation, Vector3};
-use crate::solid::{Nearest, Solid};
+use crate::contact::law::PointLaw;
+use crate::geometry::rigid::{Rigid, Rotation, Vector3};
+use crate::geometry::solid::{Nearest, Solid};
 use crate::{MAX_POINTS, Mesh, Shape, Tool, WorldError, WorldField, WorldPart};
 
 /// A convex surface that a sphere touches at one point.

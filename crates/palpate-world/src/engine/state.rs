@@ -7,12 +7,12 @@ use super::body::BodyNow;
 use super::image::ImageOffset;
 use super::integration::Meeting;
 use super::pairs::Pair;
-use crate::commands::Commands;
-use crate::ledger::CreatedAtPorts;
+use crate::device::commands::Commands;
+use crate::device::observer::{AxisMotion, AxisObserver, AxisPrior};
+use crate::device::tracking::Tracking;
+use crate::dynamics::ledger::CreatedAtPorts;
+use crate::geometry::rigid::Vector3;
 use crate::method::coupled_proxy::ProxyState;
-use crate::observer::{AxisMotion, AxisObserver, AxisPrior};
-use crate::rigid::Vector3;
-use crate::tracking::Tracking;
 use crate::{ContactLedger, Effort, Limited, Mode, ToolState, Vector, WorldFault};
 
 /// State of the contacts with an engine's bodies at a sample, created by

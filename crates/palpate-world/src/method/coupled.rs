@@ -4,14 +4,14 @@ use super::coupled_ledger::Moved;
 use super::coupled_motions::Motions;
 use super::coupled_proxy::ProxyState;
 use super::coupled_turning::Turning;
-use crate::axes::Axes;
-use crate::interval::advance;
-use crate::linkage::Linkage;
-use crate::moving::Moving;
-use crate::observer::{AxisObserver, AxisPrior};
-use crate::rigid::{Mobility, Rigid, Rotation, Vector3};
-use crate::state::{Progress, quaternion, show_contacts};
-use crate::turning_observer::TurningPrior;
+use crate::device::observer::{AxisObserver, AxisPrior};
+use crate::device::turning_observer::TurningPrior;
+use crate::dynamics::linkage::Linkage;
+use crate::geometry::axes::Axes;
+use crate::geometry::rigid::{Mobility, Rigid, Rotation, Vector3, quaternion};
+use crate::integration::interval::advance;
+use crate::integration::moving::Moving;
+use crate::method::state::{Progress, show_contacts};
 use crate::{Effort, Limited, Vector, WorldRenderer};
 
 /// Coupled rendering, with checked parameters.

@@ -2,8 +2,8 @@
 
 use super::coupled_motions::Motions;
 use super::coupled_proxy::ProxyState;
-use crate::linkage::Linkage;
-use crate::rigid::Vector3;
+use crate::dynamics::linkage::Linkage;
+use crate::geometry::rigid::Vector3;
 
 /// States of a device and its proxy at the beginning and the end of an interval.
 pub(super) struct Moved<'a> {

@@ -1,11 +1,11 @@
 //! State of a device as estimated by its observers.
 
-use crate::axes::Axes;
-use crate::commands::Acting;
-use crate::linkage::{Linkage, Passage, Start};
-use crate::moving_body::Drive;
-use crate::observer::{AxisForce, AxisMotion, AxisObserver};
-use crate::rigid::{Mobility, Vector3};
+use crate::device::commands::Acting;
+use crate::device::observer::{AxisForce, AxisMotion, AxisObserver};
+use crate::dynamics::linkage::{Linkage, Passage, Start};
+use crate::dynamics::moving_body::Drive;
+use crate::geometry::axes::Axes;
+use crate::geometry::rigid::{Mobility, Vector3};
 
 /// State of a device as estimated by its observers along each of its axes, relative to its measured position.
 #[derive(Clone, Copy, Debug)]

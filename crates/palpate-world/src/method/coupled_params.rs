@@ -3,12 +3,12 @@
 use palpate_core::Range;
 
 use super::coupled::Coupled;
-use crate::axes::Axes;
-use crate::fault::out_of_range;
-use crate::linkage::Linkage;
-use crate::observer::{AxisPrior, Prior};
-use crate::rigid::Vector3;
-use crate::turning_observer::TurningPrior;
+use crate::device::observer::{AxisPrior, Prior};
+use crate::device::turning_observer::TurningPrior;
+use crate::dynamics::linkage::Linkage;
+use crate::error::out_of_range;
+use crate::geometry::axes::Axes;
+use crate::geometry::rigid::Vector3;
 use crate::{Tool, Vector, WorldError, WorldField, WorldPart};
 
 /// Parameters of coupled rendering.
@@ -231,7 +231,10 @@ impl CoupledParams {
             turn_limit: self.turn_limit,
             turn_return: self.turn_return,
             priors: priors.collect(),
-            axes: all.iter().map(Axes::new).collect(),
+            axes: all
+                .iter()
+                .map(|tool| Axes::new(tool.axes, tool.own_axes))
+                .collect(),
             linkages: linkages.collect(),
             offset_limit: self.offset_limit,
             offset_return: self.offset_return,

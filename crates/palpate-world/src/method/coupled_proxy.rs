@@ -1,7 +1,7 @@
 //! State of a proxy relative to its device, and its decay.
 
 use super::coupled::Coupled;
-use crate::rigid::Vector3;
+use crate::geometry::rigid::Vector3;
 
 /// State of a proxy relative to its device. Unlike CHAI3D's proxy it is not constrained to the surface.
 #[derive(Clone, Copy, Debug)]

@@ -4,12 +4,14 @@
 //! momentum equally in every orientation, but not the angular velocity. The momentum is therefore the state that is
 //! kept between samples.
 
-use crate::commands::Acting;
-use crate::moving::Moving;
-use crate::moving_body::Part;
-use crate::rigid::{Rotation, Vector3};
-use crate::turning::TurningDrive;
-use crate::turning_observer::{Torque, TurningMotion, TurningObserver, TurningPrior, rotated};
+use crate::device::commands::Acting;
+use crate::device::turning_observer::{
+    Torque, TurningMotion, TurningObserver, TurningPrior, rotated,
+};
+use crate::dynamics::moving_body::Part;
+use crate::geometry::rigid::{Rotation, Vector3};
+use crate::geometry::turning::TurningDrive;
+use crate::integration::moving::Moving;
 
 /// Estimated rotation of a device, and its proxy.
 #[derive(Clone, Copy, Debug)]

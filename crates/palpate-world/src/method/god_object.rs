@@ -6,14 +6,14 @@
 use palpate_core::Range;
 
 use super::god_object_proxy::{Constraint, Proxy, limit_slip, nearest_allowed};
-use crate::contact_point::Held;
-use crate::fault::out_of_range;
-use crate::interval::advance;
-use crate::moving_body::Drive;
-use crate::pairs::Point;
-use crate::rigid::Vector3;
-use crate::solid::Solid;
-use crate::state::{Progress, show_contacts};
+use crate::contact::pairs::Point;
+use crate::contact::point::Held;
+use crate::dynamics::moving_body::Drive;
+use crate::error::out_of_range;
+use crate::geometry::rigid::Vector3;
+use crate::geometry::solid::Solid;
+use crate::integration::interval::advance;
+use crate::method::state::{Progress, show_contacts};
 use crate::{Effort, Shape, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of god-object rendering.
@@ -343,7 +343,7 @@ impl GodObject {
 /// Returns the distance and normal of a contact point, with the tool at `place` `[m]`, or `None` if no surface is
 /// near.
 fn seen(
-    moving: &mut crate::moving::Moving,
+    moving: &mut crate::integration::moving::Moving,
     point: &Point,
     place: Vector3,
 ) -> Option<(f64, Vector3)> {

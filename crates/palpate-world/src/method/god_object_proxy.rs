@@ -1,6 +1,6 @@
 //! Position of a god-object's proxy: the point outside all solids that is nearest to the device.
 
-use crate::rigid::Vector3;
+use crate::geometry::rigid::Vector3;
 
 /// Number of times that the surfaces are re-evaluated at the current position.
 const LOOKS: usize = 12;

@@ -4,14 +4,18 @@
 //! file in this folder.
 
 mod basic;
+pub(crate) mod change;
 pub(crate) mod coupled;
 mod coupled_ledger;
 mod coupled_motions;
 mod coupled_params;
 pub(crate) mod coupled_proxy;
 mod coupled_turning;
+pub(crate) mod far_side;
 mod god_object;
 mod god_object_proxy;
+pub(crate) mod renderer;
+pub(crate) mod state;
 mod virtual_coupling;
 
 pub use basic::BasicParams;
@@ -19,8 +23,8 @@ pub use coupled_params::CoupledParams;
 pub use god_object::GodObjectParams;
 pub use virtual_coupling::VirtualCouplingParams;
 
-use crate::rigid::Vector3;
-use crate::state::Progress;
+use crate::geometry::rigid::Vector3;
+use crate::method::state::Progress;
 use crate::{Effort, Limited, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 use basic::Basic;
 use coupled::{Coupled, CoupledMemory};

@@ -2,12 +2,12 @@
 
 use palpate_core::Range;
 
-use crate::fault::out_of_range;
-use crate::interval::advance;
-use crate::moving_body::Drive;
-use crate::rigid::{Rotation, Vector3};
-use crate::state::{Progress, quaternion, show_contacts};
-use crate::turning::TurningDrive;
+use crate::dynamics::moving_body::Drive;
+use crate::error::out_of_range;
+use crate::geometry::rigid::{Rotation, Vector3, quaternion};
+use crate::geometry::turning::TurningDrive;
+use crate::integration::interval::advance;
+use crate::method::state::{Progress, show_contacts};
 use crate::{Effort, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of virtual coupling.

@@ -5,7 +5,7 @@ use super::state::LocalState;
 use crate::Effort;
 use crate::engine::contact_point::Touch;
 use crate::engine::image::Image;
-use crate::interval::whole;
+use crate::integration::interval::whole;
 
 /// Tolerance for rounding, as a fraction of a period.
 const ROUNDING: f64 = 1e-6;

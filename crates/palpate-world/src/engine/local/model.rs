@@ -5,8 +5,8 @@ use palpate_core::Range;
 
 use super::params::LocalParams;
 use crate::engine::body::BodyNow;
-use crate::fault::out_of_range;
-use crate::rigid::Vector3;
+use crate::error::out_of_range;
+use crate::geometry::rigid::Vector3;
 use crate::{ContactLaw, Tool, Vector, WorldError, WorldField, WorldPart};
 
 /// Input of the fast loop: bodies and contacts of a host at a tick. Created and checked by

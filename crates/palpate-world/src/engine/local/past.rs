@@ -3,7 +3,7 @@
 use nalgebra::Vector6;
 
 use crate::engine::image::{Image, angular, linear};
-use crate::rigid::{Rotation, Vector3};
+use crate::geometry::rigid::{Rotation, Vector3};
 
 /// State of a body's copy at the beginning of a tick's period.
 #[derive(Clone, Copy, Debug)]

@@ -3,12 +3,12 @@
 use nalgebra::UnitQuaternion;
 
 use super::model::{LocalContact, Touching};
+use crate::contact::law::PointLaw;
+use crate::dynamics::moving_body::Part;
 use crate::engine::image::Image;
 use crate::engine::integration::{Found, found, rate};
 use crate::engine::pairs::{Outline, Pair, Shift, Toucher};
-use crate::law::PointLaw;
-use crate::moving_body::Part;
-use crate::rigid::{Rotation, Vector3};
+use crate::geometry::rigid::{Rotation, Vector3};
 
 /// Slot for a contact of the model.
 #[derive(Clone, Copy, Debug)]

@@ -1,0 +1,7 @@
+//! Contacts: pairs of shapes, contact points, and their law.
+
+pub(crate) mod convex_pairs;
+pub(crate) mod law;
+pub(crate) mod nearby;
+pub(crate) mod pairs;
+pub(crate) mod point;

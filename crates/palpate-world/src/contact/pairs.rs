@@ -1,0 +1,439 @@
+//! Pairs of tools and bodies that can touch, and their contact points.
+
+use std::sync::Arc;
+
+use crate::contact::convex_pairs::Blocks;
+use crate::contact::law::PointLaw;
+use crate::contact::nearby::{Nearby, Patch};
+use crate::geometry::convex::NoHull;
+use crate::geometry::hull::{Corners, MAX_POINTS};
+use crate::geometry::mesh::{POINTS_PER_MESH, Surface};
+use crate::geometry::rigid::{Mobility, Rigid, Vector3};
+use crate::geometry::solid::Solid;
+use crate::{Mesh, Motion, PointShell, Shape, World, WorldError, WorldField, WorldPart};
+
+/// Maximum number of contact points of large shells in a world. A tick visits all of them a few times.
+pub const MAX_SHELL_POINTS: usize = 4096;
+
+/// One side of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// The tool with this index, from 0.
+    Tool(usize),
+    /// The body with this index, from 0.
+    Body(usize),
+}
+
+impl Side {
+    /// Returns the side for an index among tools and bodies, tools first.
+    pub(crate) fn new(number: usize, tools: usize) -> Self {
+        match number.checked_sub(tools) {
+            None => Self::Tool(number),
+            Some(body) => Self::Body(body),
+        }
+    }
+}
+
+/// A possible contact point of two tools or bodies: a sphere of the first (radius 0 for a corner) and the nearest
+/// point of the second's solid.
+#[derive(Clone, Debug)]
+pub(crate) struct Point {
+    /// Indices of the two among tools and bodies, tools first.
+    pub first: usize,
+    pub second: usize,
+    /// Whether the sphere's centre differs from the origin of the first.
+    pub is_off_centre: bool,
+    /// Centre of the sphere, in the axes of the first `[m]`.
+    pub centre: Vector3,
+    /// Distance of the centre from the mass centre of the first `[m]`.
+    pub lever: f64,
+    pub radius: f64,
+    pub solid: Solid,
+    pub law: PointLaw,
+    /// Whether the method sets the contact force over an interval; the sub-steps then do not compute it.
+    pub is_held: bool,
+    /// For both sides, the largest squared lever of a tangential force times the inverse moment of inertia `[1/kg]`.
+    pub across: [f64; 2],
+    /// For both sides, the same quantity for a normal force: 0 for a sphere.
+    pub along: [f64; 2],
+}
+
+impl Point {
+    /// Returns the position of the sphere's centre `[m]`.
+    pub fn centre_of(&self, first: &Rigid) -> Vector3 {
+        if self.is_off_centre {
+            first.position + first.orientation * self.centre
+        } else {
+            first.position
+        }
+    }
+
+    /// Returns 1 if the tool is the first of the two, on which the contact force acts, and -1 if it is the second, on
+    /// which the opposite force acts.
+    pub fn sign_on(&self, tool: usize) -> Option<f64> {
+        if self.first == tool {
+            Some(1.0)
+        } else if self.second == tool {
+            Some(-1.0)
+        } else {
+            None
+        }
+    }
+
+    /// Returns the tool of the pair, if any: two tools never collide.
+    pub fn tool(&self, tools: usize) -> Option<usize> {
+        [self.first, self.second]
+            .into_iter()
+            .find(|&side| side < tools)
+    }
+}
+
+/// A tool or body of a world.
+struct Candidate<'a> {
+    name: &'a str,
+    shape: &'a Shape,
+    place: WorldPart,
+    is_tool: bool,
+    is_free: bool,
+}
+
+impl Candidate<'_> {
+    fn words(&self) -> &'static str {
+        match self.shape {
+            Shape::Sphere { .. } => "a sphere",
+            Shape::Spheres { .. } => "several spheres",
+            Shape::HalfSpace { .. } => "a half-space",
+            Shape::Box { .. } => "a box",
+            Shape::Capsule { .. } => "a capsule",
+            Shape::Cylinder { .. } => "a cylinder",
+            Shape::Mesh(_) => "a mesh",
+            Shape::Hull(_) => "a hull",
+        }
+    }
+
+    fn moves(&self) -> bool {
+        self.is_tool || self.is_free
+    }
+}
+
+/// Possible contacts between the tools and bodies of a world.
+pub(crate) struct Contacts {
+    pub points: Vec<Point>,
+    /// Selection of the active points.
+    pub nearby: Nearby,
+    /// Meshes in contact with spheres.
+    pub surfaces: Vec<Surface>,
+    /// Pairs of boxes, hulls, capsules and cylinders.
+    pub blocks: Vec<Blocks>,
+}
+
+/// Returns all contact points of a checked world, or a fault for every pair that cannot be rendered.
+pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts, Vec<WorldError>> {
+    let tools = world.tools.iter().enumerate().map(|(i, tool)| Candidate {
+        name: &tool.name,
+        shape: &tool.shape,
+        place: WorldPart::Tool(i),
+        is_tool: true,
+        is_free: false,
+    });
+    let bodies = world.bodies.iter().enumerate().map(|(i, body)| Candidate {
+        name: &body.name,
+        shape: &body.shape,
+        place: WorldPart::Body(i),
+        is_tool: false,
+        is_free: matches!(body.motion, Motion::Free(_)),
+    });
+    let parts: Vec<_> = tools.chain(bodies).collect();
+    let (mut points, mut faults) = (Vec::new(), Vec::new());
+    let (mut surfaces, mut blocks) = (Vec::new(), Vec::new());
+    let (mut patches, mut in_patches) = (Vec::new(), 0);
+    for (i, one) in parts.iter().enumerate() {
+        for (j, other) in parts.iter().enumerate().skip(i + 1) {
+            if (one.is_tool && other.is_tool) || !(one.moves() || other.moves()) {
+                continue;
+            }
+            let Some(law) = world.law(one.name, other.name) else {
+                continue;
+            };
+            let on_mesh = spheres_on_mesh(one.shape, other.shape).map(|found| (i, j, found));
+            let on_mesh = on_mesh
+                .or_else(|| spheres_on_mesh(other.shape, one.shape).map(|found| (j, i, found)));
+            if let Some((first, second, (spheres, mesh))) = on_mesh {
+                for sphere in spheres {
+                    // A mesh is evaluated once for all points of a sphere.
+                    points.extend((0..POINTS_PER_MESH).map(|point| {
+                        let solid = Solid::Mesh {
+                            surface: surfaces.len(),
+                            point,
+                            reach: mesh.reach(),
+                        };
+                        sphere.on(first, second, solid, law)
+                    }));
+                    let Touching { centre, radius, .. } = sphere;
+                    surfaces.push(Surface::new(mesh.clone(), [first, second], centre, radius));
+                }
+                continue;
+            }
+            // An unbounded half-space has no bounding sphere, so it must be the second.
+            let (shapes, sides) = match one.shape {
+                Shape::HalfSpace { .. } => ([other.shape, one.shape], [j, i]),
+                _ => ([one.shape, other.shape], [i, j]),
+            };
+            if let Some(pair) = Blocks::between(shapes, sides, points.len()) {
+                let [first, second] = pair.reaches();
+                points.extend((0..pair.points()).map(|point| Point {
+                    first: sides[0],
+                    second: sides[1],
+                    is_off_centre: true,
+                    centre: Vector3::x() * first,
+                    lever: first,
+                    radius: 0.0,
+                    solid: Solid::Between {
+                        blocks: blocks.len(),
+                        point,
+                        reach: second,
+                    },
+                    law: pair.law(law),
+                    across: [0.0; 2],
+                    along: [0.0; 2],
+                    is_held: false,
+                }));
+                blocks.push(pair);
+                continue;
+            }
+            let mut orders = [(i, j, one, other), (j, i, other, one)];
+            if is_smaller_mesh(other.shape, one.shape) {
+                orders.reverse();
+            }
+            let found = orders.into_iter().find_map(|(first, second, one, other)| {
+                spheres_on(one.shape, other.shape).map(|found| (first, second, found))
+            });
+            match found {
+                Some((first, second, Ok((spheres, solid)))) => {
+                    if spheres.len() > PointShell::MAX_ALWAYS {
+                        let numbered = (points.len()..).zip(spheres.iter().map(|sphere| sphere.centre));
+                        patches.extend(Patch::new(numbered.collect()));
+                        in_patches += spheres.len();
+                    }
+                    let each = spheres.iter();
+                    points.extend(each.map(|sphere| sphere.on(first, second, solid.clone(), law)));
+                }
+                Some((first, _, Err(reason))) => {
+                    let [first, other] = if first == i { [one, other] } else { [other, one] };
+                    faults.push(no_corners(first, other, reason));
+                }
+                None => faults.push(WorldError::new(
+                    one.place,
+                    WorldField::Shape,
+                    format!("{:?} and {:?}", one.name, other.name),
+                    format!(
+                        "there is no contact of {} with {} yet: edges can touch away from corners. A mesh can touch a \
+                         sphere, a tool of several spheres and a half-space; with a shell of points also a box, hull, \
+                         capsule, cylinder, and a mesh with a distance grid. Change one of the shapes, for example to \
+                         a hull, or remove the law of the pair",
+                        one.words(),
+                        other.words()
+                    ),
+                )),
+            }
+        }
+    }
+    let mut at_most = |count: usize, which: &str, most: usize| {
+        if count > most {
+            let why = format!(
+                "there are {count} points{which} at which its tools and bodies may touch, and at most {most} are allowed; \
+                 give laws to fewer pairs"
+            );
+            faults.push(WorldError::new(
+                WorldPart::World,
+                WorldField::Contacts,
+                "the world",
+                why,
+            ));
+        }
+    };
+    at_most(points.len() - in_patches, "", MAX_POINTS);
+    at_most(in_patches, " of large shells", MAX_SHELL_POINTS);
+    for point in &mut points {
+        let far = point.centre.norm() + point.radius;
+        let of_solid = point.solid.reach();
+        let lever = |reach: f64, number: usize| {
+            let most = mobilities.get(number).map_or(0.0, |m| m.angular.max());
+            if most > 0.0 {
+                reach * reach * most
+            } else {
+                0.0
+            }
+        };
+        let [first, second] = [lever(far, point.first), lever(of_solid, point.second)];
+        point.across = [first, second];
+        let is_ball = matches!(point.solid, Solid::Ball { .. });
+        point.along = [
+            if point.is_off_centre { first } else { 0.0 },
+            if is_ball { 0.0 } else { second },
+        ];
+    }
+    if faults.is_empty() {
+        Ok(Contacts {
+            nearby: Nearby::new(points.len(), patches),
+            points,
+            surfaces,
+            blocks,
+        })
+    } else {
+        Err(faults)
+    }
+}
+
+/// A sphere of a shape for contacts, and its share of a contact's law.
+struct Touching {
+    centre: Vector3,
+    radius: f64,
+    share: f64,
+}
+
+/// Returns the fault of a shape whose corners cannot serve as contact points with `other`.
+fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> WorldError {
+    let why = match reason {
+        NoHull::TooMany => format!(
+            "its convex hull has more than {MAX_POINTS} corners, its contact points with a half-space; give it a shell \
+             of points (`shell = {{ points = 60 }}` in its mesh), make it a hull (`hull` instead of `mesh`), or remove \
+             the law of the pair"
+        ),
+        NoHull::Flat | NoHull::Broken => {
+            "it is flat or nearly flat, so it has no convex hull whose corners could touch a half-space"
+                .into()
+        }
+    };
+    let subject = format!("{:?} and {:?}", shape.name, other.name);
+    WorldError::new(shape.place, WorldField::Shape, subject, why)
+}
+
+/// Returns the spheres of a sphere shape; `None` for any other shape.
+fn own_spheres(shape: &Shape) -> Option<Vec<Touching>> {
+    let whole = |centre: crate::Vector, radius: f64| Touching {
+        centre: centre.into(),
+        radius,
+        share: 1.0,
+    };
+    match shape {
+        Shape::Sphere { radius } => Some(vec![whole([0.0; 3], *radius)]),
+        Shape::Spheres { spheres } => {
+            let each = spheres.iter();
+            let each = each.map(|sphere| whole(sphere.centre, sphere.radius));
+            Some(each.collect())
+        }
+        _ => None,
+    }
+}
+
+/// Returns the spheres of a shape and the mesh that they can touch.
+fn spheres_on_mesh<'a>(shape: &Shape, other: &'a Shape) -> Option<(Vec<Touching>, &'a Arc<Mesh>)> {
+    let mesh = match other {
+        Shape::Mesh(mesh) => mesh,
+        Shape::Hull(hull) => hull.mesh(),
+        _ => return None,
+    };
+    Some((own_spheres(shape)?, mesh))
+}
+
+/// Returns whether the first of two meshes is the smaller one, whose points are used for the contact.
+fn is_smaller_mesh(shape: &Shape, other: &Shape) -> bool {
+    match (shape, other) {
+        (Shape::Mesh(one), Shape::Mesh(other)) => one.reach() < other.reach(),
+        _ => false,
+    }
+}
+
+/// Returns the spheres of a shape for contacts with `other`, and the other's solid, if any contact of the two
+/// surfaces involves a sphere.
+fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Solid), NoHull>> {
+    if let Shape::Mesh(mesh) = shape
+        && let Some(shell) = mesh.shell()
+        && let Some(solid) = Solid::under_points(other)
+    {
+        return Some(Ok((shell.touching(), solid)));
+    }
+    let spheres = match (shape, other) {
+        (Shape::Sphere { .. } | Shape::Spheres { .. }, _) => own_spheres(shape)?,
+        (Shape::Hull(hull), Shape::HalfSpace { .. }) => hull.by_corners().touching(),
+        // A face that lies flat has four corners, each with a quarter of the law.
+        (Shape::Box { half_extents }, Shape::HalfSpace { .. }) => (0..8_u8)
+            .map(|corner| Touching {
+                centre: Vector3::from_fn(|axis, _| {
+                    let side = if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                    side * half_extents[axis]
+                }),
+                radius: 0.0,
+                share: 4.0,
+            })
+            .collect(),
+        // Only a corner of the convex hull can touch a plane first.
+        (Shape::Mesh(mesh), Shape::HalfSpace { .. }) => match Corners::around(mesh.places(), 0.0) {
+            Ok(corners) => corners.touching(),
+            Err(reason) => return Some(Err(reason)),
+        },
+        // A capsule that lies flat has two ends.
+        (
+            Shape::Capsule {
+                radius,
+                half_length,
+            },
+            Shape::HalfSpace { .. },
+        ) => [-1.0, 1.0]
+            .map(|side| Touching {
+                centre: Vector3::new(0.0, 0.0, side * half_length),
+                radius: *radius,
+                share: 2.0,
+            })
+            .into(),
+        _ => return None,
+    };
+    Some(Ok((spheres, Solid::new(other)?)))
+}
+
+impl Corners {
+    /// Returns each corner as a sphere of radius 0 with its share of the law.
+    fn touching(&self) -> Vec<Touching> {
+        let share = self.most_on_a_face() as f64;
+        let each = self.places.iter();
+        each.map(|&centre| Touching {
+            centre,
+            radius: 0.0,
+            share,
+        })
+        .collect()
+    }
+}
+
+impl PointShell {
+    /// Returns each point as a sphere of radius 0 with its share of the law.
+    fn touching(&self) -> Vec<Touching> {
+        let share = self.sharers() as f64;
+        let each = self.places().iter();
+        each.map(|&centre| Touching {
+            centre,
+            radius: 0.0,
+            share,
+        })
+        .collect()
+    }
+}
+
+impl Touching {
+    fn on(&self, first: usize, second: usize, solid: Solid, law: &crate::ContactLaw) -> Point {
+        Point {
+            first,
+            second,
+            is_off_centre: self.centre != Vector3::zeros(),
+            centre: self.centre,
+            lever: self.centre.norm(),
+            radius: self.radius,
+            solid,
+            law: PointLaw::share(law, self.share),
+            is_held: false,
+            across: [0.0; 2],
+            along: [0.0; 2],
+        }
+    }
+}

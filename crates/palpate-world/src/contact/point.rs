@@ -1,0 +1,274 @@
+//! State of a contact point: force, bristle, and sums since the interval began.
+
+use crate::contact::law::{Mode, carried};
+use crate::contact::pairs::Point;
+use crate::dynamics::moving_body::Part;
+use crate::geometry::rigid::Vector3;
+
+/// Cosine of the normal's rotation in a sub-step below which the contact is on another face.
+pub(crate) const SAME_FACE: f64 = 0.9;
+
+/// State of a contact point, and its sums since the interval began.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touch {
+    pub mode: Mode,
+    /// Point of application of the force `[m]`.
+    pub place: Vector3,
+    /// Unit vector from the second to the first.
+    pub normal: Vector3,
+    /// Penetration, 0 if apart `[m]`.
+    pub penetration: f64,
+    /// Deflection of the bristle `[m]`.
+    pub bristle: Vector3,
+    /// Normal force `[N]`.
+    pub normal_force: f64,
+    /// Part of the normal force due to damping `[N]`.
+    by_damping: f64,
+    /// Part of the friction force from the bristle's damping `[N]`.
+    by_rubbing: Vector3,
+    /// Approach speed expected at the end of the sub-step `[m/s]`.
+    expected: f64,
+    /// Actual minus expected approach speed `[m/s]`. The next sub-step of equal length adds it to its expectation.
+    pub missed: f64,
+    /// Force on the first `[N]`.
+    pub force: Vector3,
+    /// Velocity of the first relative to the second at the contact point `[m/s]`.
+    pub relative: Vector3,
+    /// Tangential displacement not yet applied to the bristle `[m]`.
+    pub slid: Vector3,
+    /// Power dissipated by material damping `[W]`.
+    damping_power: f64,
+    /// Power of material damping on the apparent motion of a tool that is fixed between samples `[W]`.
+    apparent_power: f64,
+    /// Clearance of a separated point: displacement since the interval began below which the two cannot touch; 0 if
+    /// unknown `[m]`.
+    pub clear: f64,
+    pub past: Past,
+}
+
+/// Sums at a contact point since the interval began.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Past {
+    /// Impulse on the first `[N s]`.
+    pub impulse: Vector3,
+    /// Angular impulse on the tool of the two about its mass centre `[N m s]`.
+    pub angular_impulse: Vector3,
+    /// Work on the first and the second together `[J]`.
+    pub work: f64,
+    /// Work on the tool of the two `[J]`.
+    pub work_on_tool: f64,
+    /// Part of this work that the torque does on a rotation by the hand alone `[J]`.
+    pub work_on_led_turn: f64,
+    /// Energy dissipated by damping and friction, at least 0 `[J]`.
+    pub dissipated: f64,
+    /// Energy transferred from other points of the same pair `[J]`.
+    pub handed: f64,
+}
+
+/// A contact whose force is held over an interval.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Held {
+    /// Point of application of the force `[m]`.
+    pub place: Vector3,
+    /// Unit vector from the second to the first.
+    pub normal: Vector3,
+    /// Normal force `[N]`.
+    pub normal_force: f64,
+    /// Force on the first `[N]`.
+    pub force: Vector3,
+    pub slides: bool,
+}
+
+/// Overlap of a point and a solid.
+pub(crate) struct Met {
+    /// Penetration, not above 0 if apart `[m]`.
+    pub penetration: f64,
+    /// Unit normal from the second to the first.
+    pub normal: Vector3,
+    /// Derivative of the penetration against the normal.
+    pub slope: f64,
+    /// Midpoint between the two surfaces `[m]`.
+    pub place: Vector3,
+}
+
+impl Touch {
+    /// Sets a held force.
+    pub fn hold(&mut self, held: Held) {
+        *self = Self {
+            mode: if held.slides {
+                Mode::Slides
+            } else {
+                Mode::Sticks
+            },
+            place: held.place,
+            normal: held.normal,
+            normal_force: held.normal_force,
+            force: held.force,
+            past: self.past,
+            ..Self::apart()
+        };
+    }
+
+    /// Ends the held force.
+    pub fn disable_output(&mut self) {
+        *self = Self {
+            past: self.past,
+            ..Self::apart()
+        };
+    }
+
+    pub fn apart() -> Self {
+        let none = Vector3::zeros();
+        Self {
+            mode: Mode::Free,
+            place: none,
+            normal: Vector3::x(),
+            penetration: 0.0,
+            bristle: none,
+            normal_force: 0.0,
+            by_damping: 0.0,
+            by_rubbing: none,
+            expected: 0.0,
+            missed: 0.0,
+            force: none,
+            relative: none,
+            slid: none,
+            damping_power: 0.0,
+            apparent_power: 0.0,
+            clear: 0.0,
+            past: Past::default(),
+        }
+    }
+
+    /// Moves the contact state to another point, with the sums of that point.
+    pub fn at_the_point_of(self, other: &Self) -> Self {
+        Self {
+            past: other.past,
+            ..self
+        }
+    }
+
+    pub fn is_apart(&self) -> bool {
+        self.mode == Mode::Free
+    }
+
+    /// Copies the state of `other`. Separated contacts differ only in these fields.
+    pub fn copy_from(&mut self, other: &Self) {
+        if self.is_apart() && other.is_apart() {
+            (self.past, self.clear) = (other.past, other.clear);
+        } else {
+            *self = *other;
+        }
+    }
+
+    /// Returns whether the mode differs from that of `other`, or a pressing contact has crossed an edge to another
+    /// face.
+    pub fn changed_from(&self, other: &Self) -> bool {
+        self.mode != other.mode || !self.is_apart() && self.normal.dot(&other.normal) < SAME_FACE
+    }
+
+    /// Adds half a sub-step under the force to the sums. The relative velocity changes linearly to `relative`; the
+    /// tool, if one of the two is, moves with its own mean velocity.
+    pub fn entry(&mut self, relative: &Vector3, tool: Option<(&Part, f64)>, half: f64) {
+        let impulse = self.force * half;
+        self.past.impulse += impulse;
+        let apparent = half * self.apparent_power;
+        self.past.work += 0.5 * impulse.dot(&(self.relative + relative)) + apparent;
+        if let Some((part, sign)) = tool {
+            let on_tool = impulse * sign;
+            let arm = self.place - part.rigid.position;
+            let mut mean = part.mean.velocity;
+            if part.has_torque {
+                let by_turning = part.mean.turning.cross(&arm);
+                self.past.angular_impulse += arm.cross(&on_tool);
+                mean += by_turning;
+                if part.led {
+                    self.past.work_on_led_turn += on_tool.dot(&by_turning);
+                }
+            }
+            self.past.work_on_tool += on_tool.dot(&mean) + apparent;
+        }
+        self.past.dissipated += half * self.damping_power;
+    }
+
+    /// Applies a penetration above 0 and an approach speed `[m/s]`. The force is the law's force for penetration and
+    /// rate, times the slope: the gradient of the penetration's energy.
+    pub fn press(&mut self, point: &Point, met: &Met, approach: f64) {
+        if self.is_apart() {
+            self.normal = met.normal;
+        }
+        let law = &point.law;
+        self.expected = approach;
+        let push = law.normal_force(met.penetration, met.slope * (approach + self.missed));
+        self.penetration = met.penetration;
+        self.normal_force = met.slope * push;
+        self.by_damping = met.slope * (push - law.stiffness * met.penetration);
+    }
+
+    /// Transports the bristle with the contact plane, adds the earlier slip and the slip `way` `[m]`, and limits it
+    /// to the normal force. Its damper uses the velocity of the first relative to the second that is `expected` at
+    /// the end of the sub-step `[m/s]`.
+    pub fn rub(&mut self, point: &Point, normal: Vector3, way: Vector3, expected: &Vector3) {
+        let law = &point.law;
+        if law.friction <= 0.0 {
+            self.by_rubbing = Vector3::zeros();
+            self.mode = law.cut(Vector3::zeros(), self.normal_force).mode;
+            self.slid = Vector3::zeros();
+            return;
+        }
+        let before = carried(self.bristle, &self.normal, &normal);
+        let slid = carried(self.slid, &self.normal, &normal);
+        let follows = before + slid + way - normal * normal.dot(&way);
+        let cut = law.cut(follows, self.normal_force);
+        let torn = (before + cut.bristle).dot(&(follows - cut.bristle));
+        self.past.dissipated += (0.5 * law.friction_stiffness * torn).max(0.0);
+        self.bristle = cut.bristle;
+        self.mode = cut.mode;
+        self.slid = Vector3::zeros();
+        let across = expected - normal * normal.dot(expected);
+        self.by_rubbing = law.bristle_damping(&cut.bristle, &across, self.normal_force);
+    }
+
+    /// Returns the normal and friction force on the first `[N]`.
+    pub fn force_of(&self, point: &Point) -> Vector3 {
+        let elastic = self.normal * self.normal_force - self.bristle * point.law.friction_stiffness;
+        if point.law.friction_damping > 0.0 {
+            elastic + self.by_rubbing
+        } else {
+            elastic
+        }
+    }
+
+    /// Separates the surfaces. The energy stored in the bristle is lost.
+    pub fn part(&mut self, point: &Point) {
+        let lost = point.law.stored(0.0, &self.bristle);
+        self.past.dissipated += lost;
+        *self = Self {
+            past: self.past,
+            ..Self::apart()
+        };
+    }
+
+    /// Computes the damping power at a relative velocity: (N - K p) p' of the material, and that of the bristle.
+    pub fn watch_damping(
+        &mut self,
+        point: &Point,
+        relative: &Vector3,
+        first: &Part,
+        second: &Part,
+    ) {
+        if point.is_held {
+            return;
+        }
+        let apparent =
+            first.apparent_velocity_at(&self.place) - second.apparent_velocity_at(&self.place);
+        let rate = -self.normal.dot(&(relative + apparent));
+        self.missed = rate - self.expected;
+        self.damping_power = (self.by_damping * rate).max(0.0);
+        self.apparent_power = self.by_damping * self.normal.dot(&apparent);
+        if point.law.friction_damping > 0.0 {
+            self.damping_power += (-self.by_rubbing.dot(&(relative + apparent))).max(0.0);
+            self.apparent_power += self.by_rubbing.dot(&apparent);
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! The description of a world: tools, bodies, joints and contacts.
+
+pub(crate) mod body;
+pub(crate) mod contact;
+pub(crate) mod joint;
+pub(crate) mod mass_table;
+pub(crate) mod world;

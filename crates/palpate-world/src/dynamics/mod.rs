@@ -1,0 +1,6 @@
+//! Motion of tools and bodies: joints, linkages, drives, and the energy ledger.
+
+pub(crate) mod joint_springs;
+pub(crate) mod ledger;
+pub(crate) mod linkage;
+pub(crate) mod moving_body;

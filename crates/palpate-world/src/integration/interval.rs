@@ -1,0 +1,420 @@
+//! Integration over one interval: bounded work, with finer steps at changes of contact mode.
+
+use crate::contact::convex_pairs::Blocks;
+use crate::contact::nearby::{MAX_NEARBY, approach};
+use crate::contact::pairs::Point;
+use crate::dynamics::moving_body::Part;
+use crate::geometry::rigid::Vector3;
+use crate::geometry::solid::Solid;
+use crate::integration::moving::Moving;
+
+/// Sub-step settings of an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SubSteps {
+    /// Minimum number of sub-steps per interval.
+    pub least: u32,
+    /// Maximum number before refinement; four times as many if the integration would otherwise be unstable.
+    pub most: u32,
+    /// Target phase of the fastest contact per sub-step, if the maximum number allows it `[rad]`.
+    pub phase: f64,
+    /// Maximum number of shorter sub-steps that replace one in which a contact begins, ends, sticks, slides or
+    /// crosses an edge to another face. The shortest is 1/2048 of the original and contains the change.
+    pub finer: u32,
+    /// Number of sub-steps per interval that can be refined with [`finer`](Self::finer) shorter ones each. If they
+    /// need fewer, more can be refined.
+    pub refined: u32,
+}
+
+impl Default for SubSteps {
+    /// 16 to 64 sub-steps, 0.03 rad; up to 4 of them in 32 shorter ones. The maximum is 188 in total, or 380 if 64
+    /// are too few for stability.
+    fn default() -> Self {
+        Self {
+            least: 16,
+            most: 64,
+            phase: 0.03,
+            finer: 32,
+            refined: 4,
+        }
+    }
+}
+
+/// Computing effort of the integration, and omitted work.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Number of sub-steps, including replaced ones.
+    pub sub_steps: u32,
+    /// Number of sub-steps that were replaced by shorter ones.
+    pub refined: u32,
+    /// Number of sub-steps with a change of contact mode or face that were not refined, because the budget of
+    /// [`SubSteps::refined`] was used up.
+    pub unrefined: u32,
+    /// Whether the fastest contact or joint required more than [`SubSteps::most`]. With
+    /// [`Fault::Overflow`](palpate_core::Fault::Overflow) it is the reason for rejecting the sample.
+    pub too_fast: bool,
+    /// Whether the integration would be unstable even with four times [`SubSteps::most`]. The sample is then
+    /// rejected.
+    pub unstable: bool,
+    /// Maximum number of mesh triangles, mesh contacts and shell points that a sub-step omitted for lack of capacity:
+    /// the most distant or least deep ones.
+    pub left_out: u32,
+}
+
+impl Effort {
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            sub_steps: self.sub_steps + other.sub_steps,
+            refined: self.refined + other.refined,
+            unrefined: self.unrefined + other.unrefined,
+            too_fast: self.too_fast || other.too_fast,
+            unstable: self.unstable || other.unstable,
+            left_out: self.left_out.max(other.left_out),
+        }
+    }
+}
+
+/// Factor on [`SubSteps::most`] for an interval that would otherwise be unstable.
+pub(crate) const MAX_TIMES: u32 = 4;
+/// Phase of the fastest contact per sub-step above which the integration counts as unstable `[rad]`: half of the
+/// stability limit of Verlet's method, because the frequency is a bound over several contacts.
+const MAX_PHASE: f64 = 1.0;
+/// Maximum of the damping rate times the sub-step plus a quarter of the squared phase. A damper uses the velocity
+/// expected at the end of the sub-step. Let w be the velocity and b the damper's push, both times the sub-step, s the
+/// squared phase, and u the damping rate times the sub-step:
+///
+/// ```text
+/// x' = x + w + b/2    b' = -s x' - u (w + b)    w' = w + (b + b')/2
+/// ```
+///
+/// For s = 0 the factor r of w and b per sub-step satisfies r^2 - (1 - 3u/2) r - u/2 = 0, and r = -1 at u = 1. For
+/// any s the motion is stable while u + s/4 < 1. (A damper with the velocity of half a sub-step earlier would be
+/// stable up to u = 2.) The velocity at the end is w + b + (b' - b)/2, so the expected velocity w + b has the error m
+/// = (b' - b)/2. If the damper adds the error of the last sub-step, the force error is of third order, and the motion
+/// is stable while 2u + s/4 < 1.
+const MAX_DAMPING: f64 = 0.9;
+
+/// State that is advanced by sub-steps and restored when a sub-step is repeated.
+pub(crate) trait SubStepped {
+    /// A possible contact.
+    type Pair;
+
+    /// Copies the state that sub-steps change from `other`, which has the same interval and active pairs. It does not
+    /// allocate.
+    fn copy_near_from(&mut self, other: &Self);
+
+    /// Performs one sub-step of `h` `[s]`.
+    fn sub_step(&mut self, pairs: &[Self::Pair], h: f64);
+
+    /// Returns whether a contact's mode differs from that in `other`, or a contact crossed an edge.
+    fn changed_from(&self, other: &Self) -> bool;
+
+    /// Sets whether contact dampers add the prediction error of the last sub-step to the velocity that they expect.
+    fn expect_the_missed(&mut self, is_added: bool);
+
+    /// Discards the prediction error: the next sub-step has another length, or a contact changed its mode.
+    fn expect_anew(&mut self);
+}
+
+/// Bounds of the fastest modes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fastest {
+    /// Angular frequency `[rad/s]`.
+    pub frequency: f64,
+    /// Damping rate `[1/s]`.
+    pub damping: f64,
+}
+
+impl Fastest {
+    /// Returns the number of sub-steps of an interval of `h` `[s]` that limits the phase `[rad]`.
+    fn asks_for(self, h: f64, phase: f64) -> f64 {
+        self.frequency.max(self.damping / DAMPING_PER_FREQUENCY) * h / phase
+    }
+
+    /// Returns whether sub-steps of `h` `[s]` are unstable.
+    fn grows(self, h: f64) -> bool {
+        let phase = self.frequency * h;
+        phase > MAX_PHASE || self.damping * h + 0.25 * phase * phase > MAX_DAMPING
+    }
+
+    /// Returns whether a damper may add the prediction error of the last sub-step.
+    fn may_expect(self, h: f64) -> bool {
+        let phase = self.frequency * h;
+        2.0 * self.damping * h + 0.25 * phase * phase < MAX_DAMPING
+    }
+}
+
+/// Integrates `moving` over `h` `[s]`, starting from evaluated contacts. `before` is overwritten.
+pub(crate) fn advance(
+    moving: &mut Moving,
+    before: &mut Moving,
+    points: &[Point],
+    sub_steps: &SubSteps,
+    h: f64,
+) -> Effort {
+    moving.gather(points, h);
+    moving.look_at_all();
+    before.nearby.copy_from(&moving.nearby);
+    let fastest = fastest(moving, points, h);
+    let mut effort = integrate(moving, before, points, fastest, sub_steps, MAX_TIMES, h);
+    effort.left_out = moving.take_left_out();
+    effort
+}
+
+/// Integrates `moving` over `h` `[s]`. The bounds `fastest` determine the number of sub-steps: up to
+/// [`SubSteps::most`], or up to `times` that number if the integration would be unstable. If it would still be
+/// unstable, nothing moves. `before` is overwritten.
+pub(crate) fn integrate<M: SubStepped>(
+    moving: &mut M,
+    before: &mut M,
+    pairs: &[M::Pair],
+    fastest: Fastest,
+    sub_steps: &SubSteps,
+    times: u32,
+    h: f64,
+) -> Effort {
+    let mut effort = Effort::default();
+    let asked = fastest.asks_for(h, sub_steps.phase);
+    let mut count = if asked <= f64::from(sub_steps.least) {
+        sub_steps.least
+    } else if asked < f64::from(sub_steps.most) {
+        whole(asked.ceil())
+    } else {
+        effort.too_fast = asked > f64::from(sub_steps.most);
+        sub_steps.most
+    };
+    if fastest.grows(h / f64::from(count)) {
+        effort.too_fast = true;
+        count = sub_steps.most.saturating_mul(times);
+        effort.unstable = fastest.grows(h / f64::from(count));
+    }
+    // The sample is rejected, and the energy ledger excludes an unstable motion.
+    if effort.unstable {
+        return effort;
+    }
+    let step = h / f64::from(count);
+    moving.expect_the_missed(fastest.may_expect(step));
+    moving.expect_anew();
+    let mut left = sub_steps.refined.saturating_mul(sub_steps.finer);
+    for _ in 0..count {
+        before.copy_near_from(moving);
+        moving.sub_step(pairs, step);
+        effort.sub_steps += 1;
+        if !moving.changed_from(before) {
+            continue;
+        }
+        if left < sub_steps.finer {
+            effort.unrefined += 1;
+            moving.expect_anew();
+            continue;
+        }
+        effort.refined += 1;
+        moving.copy_near_from(before);
+        let pieces = refine(moving, before, pairs, sub_steps.finer, step);
+        effort.sub_steps += pieces;
+        left -= pieces;
+    }
+    effort
+}
+
+/// Ratio of a sub-step to the shortest piece, which contains a mode change: a power of two.
+const SHORTEST: u32 = 2048;
+
+/// Performs a sub-step of `step` `[s]` with a change of contact mode in at most `most` pieces, including rejected
+/// ones. The piece with the change is halved down to the shortest length, so no longer piece contains a change.
+/// Returns the number of pieces.
+fn refine<M: SubStepped>(
+    moving: &mut M,
+    before: &mut M,
+    pairs: &[M::Pair],
+    most: u32,
+    step: f64,
+) -> u32 {
+    let shortest = step / f64::from(SHORTEST);
+    // Each halving rejects one piece and adds another.
+    let halvings = most / 2;
+    let (mut pieces, mut halved) = (0, 0);
+    let (mut at, mut length) = (0, SHORTEST);
+    // Whether it is still unknown if the change is in this piece or in its other half.
+    let mut is_sought = halvings > 0;
+    if is_sought {
+        (length, halved) = (SHORTEST / 2, 1);
+    }
+    while at < SHORTEST {
+        before.copy_near_from(moving);
+        moving.expect_anew();
+        moving.sub_step(pairs, shortest * f64::from(length));
+        pieces += 1;
+        let may_halve = length > 1 && halved < halvings;
+        let changed = moving.changed_from(before);
+        if changed && may_halve {
+            moving.copy_near_from(before);
+            (length, halved, is_sought) = (length / 2, halved + 1, true);
+            continue;
+        }
+        at += length;
+        if is_sought && !changed && may_halve {
+            (length, halved) = (length / 2, halved + 1);
+        } else {
+            is_sought = false;
+            length = 1 << at.trailing_zeros();
+        }
+    }
+    moving.expect_anew();
+    pieces
+}
+
+/// Converts a non-negative integral value.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "it lies between two numbers of that type"
+)]
+pub(crate) fn whole(count: f64) -> u32 {
+    count as u32
+}
+
+/// Material damping rate `[1/s]` equivalent to a frequency of 1 rad/s.
+const DAMPING_PER_FREQUENCY: f64 = 2.0;
+
+/// Returns twice the distance by which two boxes may approach each other within `h` `[s]` `[m]`.
+fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 {
+    let [one, other] = blocks.reaches();
+    approach(first, second, one, other, h)
+}
+
+/// Returns bounds of the angular frequency and damping rate among the contacts that touch or may touch within `h`
+/// `[s]`. The bound over the two sides of a contact is the sum of stiffness or damping times mobility of all contacts
+/// there, plus the stiffest drive spring.
+fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
+    let mut most_square: f64 = 0.0;
+    let mut most_damping: f64 = 0.0;
+    let is_near = |number: usize, point: &Point| {
+        if point.is_held {
+            return false;
+        }
+        if !moving.touches[number].is_apart() {
+            return true;
+        }
+        let (first, second) = (&moving.parts[point.first], &moving.parts[point.second]);
+        if let Solid::Between { blocks, point, .. } = point.solid {
+            let found = moving.blocks[blocks].found(point);
+            return -found.penetration < reach_of_blocks(first, second, &moving.blocks[blocks], h);
+        }
+        let centre = point.centre_of(&first.rigid);
+        let relative: Vector3 = first.rigid.velocity - second.rigid.velocity;
+        let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
+        let mut turns = first.twist.turning.norm() * point.lever;
+        if point.second < moving.tools {
+            turns += second.twist.turning.norm() * (centre - second.rigid.position).norm();
+        }
+        let reach = point.radius + (relative.norm() + turns + pushed * h) * 2.0 * h;
+        match point.solid {
+            // One of its points is the first to be touched.
+            Solid::Mesh {
+                surface, point: 0, ..
+            } => {
+                let surface = &moving.surfaces[surface];
+                surface.clearance() < reach && surface.distance(&first.rigid, &second.rigid) < reach
+            }
+            _ => {
+                let nearest = point.solid.nearest_within(&second.rigid, &centre, reach);
+                nearest.distance < reach
+            }
+        }
+    };
+    let of_links = |number: usize| {
+        let links = moving
+            .links
+            .iter()
+            .flat_map(|link| link.rates(&moving.parts));
+        let here = links.filter(|(side, ..)| *side == Some(number));
+        here.fold((0.0, 0.0), |sum, (_, square, rate)| {
+            (sum.0 + square, sum.1 + rate)
+        })
+    };
+    for link in &moving.links {
+        let (mut square, mut damping) = (0.0, 0.0);
+        for (side, ..) in link.rates(&moving.parts) {
+            let of_side = side.map_or((0.0, 0.0), of_links);
+            (square, damping) = (square + of_side.0, damping + of_side.1);
+        }
+        most_square = most_square.max(square);
+        most_damping = most_damping.max(damping);
+    }
+    let mut near = [false; MAX_NEARBY];
+    for (near, &number) in near.iter_mut().zip(moving.nearby.numbers()) {
+        *near = is_near(number, &points[number]);
+    }
+    let nearby = || {
+        let each = moving.nearby.numbers().iter().zip(&near);
+        each.filter(|(_, near)| **near).map(|(&number, _)| number)
+    };
+    for number in nearby() {
+        let point = &points[number];
+        let (mut square, mut damping) = (0.0, 0.0);
+        for side in [point.first, point.second] {
+            let held = of_links(side);
+            (square, damping) = (square + held.0, damping + held.1);
+            let mobility = moving.parts[side].mobility.linear.max();
+            for other in nearby().map(|other| &points[other]) {
+                let lever = if other.first == side {
+                    0
+                } else if other.second == side {
+                    1
+                } else {
+                    continue;
+                };
+                let law = &other.law;
+                let along = mobility + other.along[lever];
+                let across = mobility + other.across[lever];
+                let tangential = if law.friction > 0.0 {
+                    law.friction_stiffness * across
+                } else {
+                    0.0
+                };
+                square += (law.stiffness * along).max(tangential);
+                damping += law.damping_rate(along, across);
+            }
+        }
+        most_square = most_square.max(square);
+        most_damping = most_damping.max(damping);
+    }
+    let of_drives = |part: &Part| {
+        let turning = part.turning_drive.stiffness * part.mobility.angular.max();
+        part.drive.spring_rate.max().max(turning)
+    };
+    let most_drive = moving.parts.iter().map(of_drives).fold(0.0, f64::max);
+    Fastest {
+        frequency: (most_square + most_drive).sqrt(),
+        damping: most_damping,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    /// Returns the growth of a contact's motion after 4000 sub-steps, by the equations at [`super::MAX_DAMPING`].
+    /// `u` is the damping rate times the sub-step, `s` the squared phase.
+    fn growth(u: f64, s: f64) -> f64 {
+        let (mut x, mut w, mut b, mut missed) = (1.0_f64, 0.3_f64, -s, 0.0);
+        for _ in 0..4000 {
+            x += w + 0.5 * b;
+            let expected = w + b;
+            let after = -s * x - u * (expected + missed);
+            w += 0.5 * (b + after);
+            (missed, b) = (w - expected, after);
+            if w.abs() > 1e6 {
+                break;
+            }
+        }
+        (s * x * x + w * w + b * b).sqrt()
+    }
+
+    #[test]
+    fn a_damper_that_corrects_its_velocity_is_stable_up_to_its_bound_and_not_beyond() {
+        for s in [0.01, 0.1, 0.4, 0.7, 1.0] {
+            let at = |bound: f64| growth(0.5 * (bound - 0.25 * s), s);
+            let (inside, beyond) = (at(0.97), at(1.03));
+            assert!(inside < 1e-3 && beyond > 1e6, "{s}: {inside} {beyond}");
+        }
+    }
+}

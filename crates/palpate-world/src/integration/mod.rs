@@ -1,0 +1,5 @@
+//! Integration of the motion over an interval between samples.
+
+pub(crate) mod interval;
+pub(crate) mod interval_ledger;
+pub(crate) mod moving;

@@ -1,0 +1,364 @@
+//! A world in motion: poses, contact states, and sums since the interval began.
+
+use crate::contact::convex_pairs::Blocks;
+use crate::contact::nearby::{NEARER, Nearby, approached};
+use crate::contact::pairs::Point;
+use crate::contact::point::{Met, Past, Touch};
+use crate::dynamics::joint_springs::Link;
+use crate::dynamics::linkage::Carried;
+use crate::dynamics::moving_body::{Part, Twist};
+use crate::geometry::mesh::Surface;
+use crate::geometry::rigid::Vector3;
+use crate::geometry::solid::{Nearest, Solid};
+use crate::integration::interval::SubStepped;
+
+/// A world in motion.
+#[derive(Clone, Debug)]
+pub(crate) struct Moving {
+    /// Tools, then bodies.
+    pub parts: Vec<Part>,
+    /// Number of tools.
+    pub tools: usize,
+    pub touches: Vec<Touch>,
+    /// Active contact points. Inactive points do not touch.
+    pub nearby: Nearby,
+    /// Meshes in contact with spheres.
+    pub surfaces: Vec<Surface>,
+    /// Pairs of boxes, hulls and capsules.
+    pub blocks: Vec<Blocks>,
+    /// Springs of the joints.
+    pub links: Vec<Link>,
+    /// Linkage motion of each tool's proxy with a position-dependent mass; empty if no tool has one.
+    pub carried: Vec<Option<Carried>>,
+    /// Whether contact dampers add the prediction error of the last sub-step to the velocity that they expect.
+    pub expects_the_missed: bool,
+}
+
+impl Moving {
+    /// Copies the state of another motion of the same world, without allocation.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.parts.copy_from_slice(&other.parts);
+        self.touches.copy_from_slice(&other.touches);
+        self.nearby.copy_from(&other.nearby);
+        self.copy_between(other);
+    }
+
+    fn copy_between(&mut self, other: &Self) {
+        for (surface, other) in self.surfaces.iter_mut().zip(&other.surfaces) {
+            surface.copy_from(other);
+        }
+        for (blocks, other) in self.blocks.iter_mut().zip(&other.blocks) {
+            blocks.copy_from(other);
+        }
+        self.links.copy_from_slice(&other.links);
+    }
+
+    pub fn is_finite(&self) -> bool {
+        let mut sum = 0.0;
+        for Part { rigid, .. } in &self.parts {
+            sum += rigid.position.sum() + rigid.velocity.sum() + rigid.spin.sum();
+            sum += rigid.orientation.coords.sum();
+        }
+        for touch in &self.touches {
+            sum += touch.bristle.sum() + touch.force.sum() + touch.past.work;
+        }
+        sum.is_finite()
+    }
+
+    /// Begins an interval with zero sums.
+    pub fn begin(&mut self) {
+        for touch in &mut self.touches {
+            touch.past = Past::default();
+        }
+        for link in &mut self.links {
+            link.begin();
+        }
+        for part in &mut self.parts {
+            part.begin();
+        }
+    }
+
+    /// Resets the sides of spheres relative to meshes, and the faces of boxes relative to each other.
+    pub fn forget_sides(&mut self) {
+        for blocks in &mut self.blocks {
+            blocks.forget();
+        }
+        for surface in &mut self.surfaces {
+            surface.forget();
+        }
+    }
+
+    /// Returns the maximum number of mesh triangles, mesh contacts or contact points omitted at a time since the last
+    /// call.
+    pub fn take_left_out(&mut self) -> u32 {
+        let each = self.surfaces.iter_mut().map(Surface::take_left_out);
+        each.fold(self.nearby.take_left_out(), u32::max)
+    }
+
+    /// Activates all touching points, after an external change.
+    pub fn recollect(&mut self) {
+        let touches = |number: usize| !self.touches[number].is_apart();
+        self.nearby.recollect(touches);
+    }
+
+    /// Activates the points that touch or may touch within `h` `[s]`.
+    pub fn gather(&mut self, points: &[Point], h: f64) {
+        let touches = |number: usize| !self.touches[number].is_apart();
+        self.nearby.gather(&self.parts, points, touches, h);
+    }
+
+    /// Returns the energy stored in the contact at a point `[J]`.
+    pub fn stored(&self, number: usize, point: &Point) -> f64 {
+        let touch = &self.touches[number];
+        point.law.stored(touch.penetration, &touch.bristle)
+    }
+
+    /// Resets the clearances of all points, because displacements are counted from the start of the interval.
+    pub fn look_at_all(&mut self) {
+        for &number in self.nearby.numbers() {
+            self.touches[number].clear = 0.0;
+        }
+    }
+
+    /// Re-evaluates the contacts after tools or bodies have been displaced.
+    pub fn look(&mut self, points: &[Point]) {
+        for part in &mut self.parts {
+            part.settle();
+        }
+        self.gather(points, 0.0);
+        self.look_at_all();
+        self.meet(points, 0.0);
+        self.measure(points);
+    }
+
+    fn moving_parts(&mut self) -> impl Iterator<Item = &mut Part> {
+        self.parts.iter_mut().filter(|part| !part.is_fixed)
+    }
+
+    /// Evaluates the contacts and their loads at the current positions, which were reached by moving for `half` a
+    /// sub-step with the current velocities.
+    fn meet(&mut self, points: &[Point], half: f64) {
+        for part in &mut self.parts {
+            part.force = Vector3::zeros();
+            part.torque = Vector3::zeros();
+        }
+        for surface in &mut self.surfaces {
+            let [first, second] = surface.parts().map(|number| &self.parts[number].rigid);
+            surface.look(first, second);
+        }
+        for blocks in &mut self.blocks {
+            let [first, second] = blocks.parts.map(|number| &self.parts[number].rigid);
+            blocks.look(first, second, &mut self.touches, points);
+        }
+        for &number in self.nearby.numbers() {
+            let (touch, point) = (&mut self.touches[number], &points[number]);
+            if let Solid::Mesh { surface, point, .. } = point.solid
+                && touch.is_apart()
+                && self.surfaces[surface].found(point).is_none()
+            {
+                continue;
+            }
+            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+            if point.is_held {
+                if !touch.is_apart() {
+                    touch.relative =
+                        relative(first, &first.twist, second, &second.twist, &touch.place);
+                    for (side, force) in [(point.first, touch.force), (point.second, -touch.force)]
+                    {
+                        self.parts[side].load(&force, &touch.place);
+                    }
+                }
+                continue;
+            }
+            let is_looked_up = matches!(point.solid, Solid::Mesh { .. } | Solid::Between { .. });
+            let moved = if touch.is_apart() && !is_looked_up {
+                approached(first, second, point)
+            } else {
+                0.0
+            };
+            if touch.is_apart() && moved < touch.clear {
+                continue;
+            }
+            let of_sphere = |nearest: Nearest| {
+                let penetration = point.radius - nearest.distance;
+                let below = point.radius - 0.5 * penetration;
+                let centre = point.centre_of(&first.rigid);
+                Met {
+                    penetration,
+                    normal: nearest.normal,
+                    slope: nearest.slope,
+                    place: centre - nearest.normal * below,
+                }
+            };
+            let met = match point.solid {
+                Solid::Mesh { surface, point, .. } => {
+                    let found = self.surfaces[surface].found(point);
+                    of_sphere(found.map_or(Nearest::far(), |found| Nearest {
+                        normal: second.rigid.orientation * found.normal,
+                        ..Nearest::exact(found.distance, found.normal)
+                    }))
+                }
+                Solid::Between { blocks, point, .. } => {
+                    let blocks = &self.blocks[blocks];
+                    let found = blocks.found(point);
+                    Met {
+                        penetration: found.penetration,
+                        normal: blocks.normal(),
+                        slope: 1.0,
+                        place: found.place,
+                    }
+                }
+                _ => {
+                    let centre = point.centre_of(&first.rigid);
+                    let solid = &point.solid;
+                    of_sphere(solid.nearest_within(&second.rigid, &centre, point.radius))
+                }
+            };
+            if met.penetration > 0.0 {
+                let Met { normal, place, .. } = met;
+                let relative = relative(first, &first.twist, second, &second.twist, &place);
+                let ahead = self::relative(first, &first.ahead, second, &second.ahead, &place);
+                touch.press(point, &met, -normal.dot(&ahead));
+                touch.rub(point, normal, relative * half, &ahead);
+                touch.normal = normal;
+                touch.place = place;
+                touch.relative = relative;
+                touch.force = touch.force_of(point);
+                let (force, place) = (touch.force, touch.place);
+                self.parts[point.first].load(&force, &place);
+                self.parts[point.second].load(&-force, &place);
+            } else if !touch.is_apart() {
+                touch.part(point);
+            } else if !is_looked_up {
+                touch.clear = moved - NEARER * met.penetration;
+            }
+        }
+        for link in &mut self.links {
+            link.meet(&mut self.parts);
+        }
+    }
+
+    /// Computes the power dissipated by contact damping at the current state.
+    fn measure(&mut self, points: &[Point]) {
+        for &number in self.nearby.numbers() {
+            let (touch, point) = (&mut self.touches[number], &points[number]);
+            if !touch.is_apart() {
+                let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+                let relative = touch.relative;
+                touch.watch_damping(point, &relative, first, second);
+            }
+        }
+        for link in &mut self.links {
+            link.watch_damping(&self.parts);
+        }
+    }
+}
+
+impl SubStepped for Moving {
+    type Pair = Point;
+
+    fn copy_near_from(&mut self, other: &Self) {
+        for (part, other) in self.parts.iter_mut().zip(&other.parts) {
+            if !part.is_fixed {
+                part.copy_motion_from(other);
+            }
+        }
+        for &number in self.nearby.numbers() {
+            self.touches[number].copy_from(&other.touches[number]);
+        }
+        self.copy_between(other);
+    }
+
+    /// Performs one sub-step of `h` `[s]` with the velocity form of Verlet's method. Damping and friction use the
+    /// velocities expected at its end, which preserves second order.
+    fn sub_step(&mut self, points: &[Point], h: f64) {
+        let half = 0.5 * h;
+        for (part, carried) in self.parts.iter_mut().zip(&self.carried) {
+            if let Some(carried) = carried {
+                carried.carry(part, h);
+            }
+        }
+        for part in self.moving_parts() {
+            part.first_push(half);
+        }
+        for &number in self.nearby.numbers() {
+            let (touch, point) = (&mut self.touches[number], &points[number]);
+            if touch.is_apart() {
+                continue;
+            }
+            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
+            touch.entry(&relative, tool_of(&self.parts, point, self.tools), half);
+            touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
+        }
+        for link in &mut self.links {
+            link.entry(&self.parts, half);
+        }
+        for part in self.moving_parts() {
+            part.drift(h);
+        }
+        self.meet(points, half);
+        for part in self.moving_parts() {
+            part.second_push(half);
+        }
+        for &number in self.nearby.numbers() {
+            let (touch, point) = (&mut self.touches[number], &points[number]);
+            if touch.is_apart() {
+                continue;
+            }
+            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
+            touch.watch_damping(point, &relative, first, second);
+            if !self.expects_the_missed {
+                touch.missed = 0.0;
+            }
+            touch.entry(&relative, tool_of(&self.parts, point, self.tools), half);
+            touch.relative = relative;
+        }
+        for link in &mut self.links {
+            link.watch_damping(&self.parts);
+            link.entry(&self.parts, half);
+        }
+    }
+
+    fn changed_from(&self, other: &Self) -> bool {
+        let mut modes = self.nearby.numbers().iter();
+        let mut blocks = self.blocks.iter().zip(&other.blocks);
+        let mut links = self.links.iter().zip(&other.links);
+        modes.any(|&number| self.touches[number].changed_from(&other.touches[number]))
+            || blocks.any(|(one, other)| one.changed_from(other))
+            || links.any(|(one, other)| one.changed_from(other))
+    }
+
+    fn expect_the_missed(&mut self, is_added: bool) {
+        self.expects_the_missed = is_added;
+    }
+
+    fn expect_anew(&mut self) {
+        for &number in self.nearby.numbers() {
+            self.touches[number].missed = 0.0;
+        }
+    }
+}
+
+/// Returns the tool of a point's pair and its sign: see [`Point::sign_on`].
+fn tool_of<'a>(parts: &'a [Part], point: &Point, tools: usize) -> Option<(&'a Part, f64)> {
+    let tool = point.tool(tools)?;
+    Some((&parts[tool], point.sign_on(tool)?))
+}
+
+/// Returns the velocity of the first's material at `place` relative to the second's `[m/s]`.
+fn relative(
+    first: &Part,
+    of_first: &Twist,
+    second: &Part,
+    of_second: &Twist,
+    place: &Vector3,
+) -> Vector3 {
+    let of_first = first.velocity_at(of_first, place);
+    if second.is_fixed {
+        of_first
+    } else {
+        of_first - second.velocity_at(of_second, place)
+    }
+}

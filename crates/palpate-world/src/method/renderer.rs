@@ -1,0 +1,569 @@
+//! One tick of a world, common to all methods.
+
+use nalgebra::UnitQuaternion;
+use palpate_core::Fault;
+
+use crate::contact::convex_pairs::Blocks;
+use crate::contact::nearby::Nearby;
+use crate::contact::pairs::{Point, Side, points};
+use crate::contact::point::Touch;
+use crate::device::commands::Commands;
+use crate::device::guard::{Account, most_of};
+use crate::device::tracking::Tracking;
+use crate::dynamics::joint_springs::{Link, links_of};
+use crate::dynamics::ledger::{
+    BodyLedger, ContactLedger, CreatedAtPorts, Departed, DeviceLedger, EnergyLedger, JointLedger,
+};
+use crate::dynamics::moving_body::{Drive, Part};
+use crate::geometry::axes::Axes;
+use crate::geometry::mesh::Surface;
+use crate::geometry::rigid::{Mobility, Rigid, Vector3};
+use crate::integration::moving::Moving;
+use crate::method::far_side::Entry;
+use crate::method::state::{ContactState, Progress, ToolState, WorldState, body_state};
+use crate::method::{Checked, Memory, WorldMethod};
+use crate::{
+    Body, Effort, Limited, Motion, Output, Sample, Tool, Vector, World, WorldError, WorldFault,
+    WorldLoop,
+};
+
+/// Renderer of a world by one method in one loop. It is immutable: a tick cannot change a parameter, and one renderer
+/// serves any number of [`WorldState`]s.
+#[derive(Clone, Debug)]
+pub struct WorldRenderer {
+    pub(crate) loop_params: WorldLoop,
+    pub(crate) points: Vec<Point>,
+    pub(crate) nearby: Nearby,
+    pub(crate) tools: usize,
+    /// World from which the renderer was created; `described` is the method.
+    pub(crate) world: World,
+    pub(crate) described: WorldMethod,
+    /// Whether each tool turns.
+    pub(crate) turns: Vec<bool>,
+    /// Axes along which each device moves its tool.
+    pub(crate) axes: Vec<Axes>,
+    /// Initial tools, then bodies.
+    pub(crate) parts: Vec<Part>,
+    pub(crate) surfaces: Vec<Surface>,
+    pub(crate) blocks: Vec<Blocks>,
+    pub(crate) links: Vec<Link>,
+    joints: usize,
+    method: Checked,
+}
+
+impl WorldRenderer {
+    /// Checks world, loop and method, and computes all quantities that depend only on them.
+    ///
+    /// # Errors
+    ///
+    /// Returns all faults of the world, or otherwise those of its pairs, the loop and the method (at least one).
+    pub fn new(
+        world: &World,
+        loop_params: WorldLoop,
+        method: impl Into<WorldMethod>,
+    ) -> Result<Self, Vec<WorldError>> {
+        world.check()?;
+        let tools = world.tools.len();
+        let mut faults = Vec::new();
+        let mut parts: Vec<_> = world
+            .tools
+            .iter()
+            .map(|tool| {
+                let mobility = Mobility {
+                    linear_axes: Axes::new(tool.axes, tool.own_axes).own_axes(),
+                    ..Mobility::none()
+                };
+                let nowhere = Rigid {
+                    position: Vector3::zeros(),
+                    orientation: UnitQuaternion::identity(),
+                    velocity: Vector3::zeros(),
+                    spin: Vector3::zeros(),
+                };
+                Part {
+                    has_torque: tool.turns,
+                    led: tool.is_led(),
+                    ..Part::new(nowhere, mobility, Drive::constant(Vector3::zeros()))
+                }
+            })
+            .collect();
+        parts.extend(world.bodies.iter().map(part_of));
+        let mut mobilities: Vec<_> = parts.iter().map(|part| part.mobility).collect();
+        faults.extend(loop_params.faults(tools));
+        let described = method.into();
+        let method = described.clone().check(&world.tools);
+        if let Ok(method) = &method {
+            for (tool, mobility) in mobilities[..tools].iter_mut().enumerate() {
+                mobility.angular = method.angular_mobility(tool);
+            }
+        }
+        let links = links(world, &parts);
+        let points = points(world, &mobilities);
+        let (mut found, method) = match (points, method) {
+            (Ok(found), Ok(method)) if faults.is_empty() => (found, method),
+            (points, method) => {
+                faults.extend(points.err().into_iter().flatten());
+                faults.extend(method.err().into_iter().flatten());
+                return Err(faults);
+            }
+        };
+        for point in &mut found.points {
+            point.is_held = method.holds_contacts() && point.tool(tools).is_some();
+        }
+        Ok(Self {
+            loop_params,
+            points: found.points,
+            nearby: found.nearby,
+            tools,
+            world: world.clone(),
+            described,
+            turns: world.tools.iter().map(|tool| tool.turns).collect(),
+            axes: world
+                .tools
+                .iter()
+                .map(|tool| Axes::new(tool.axes, tool.own_axes))
+                .collect(),
+            parts,
+            surfaces: found.surfaces,
+            blocks: found.blocks,
+            links,
+            joints: world.joints.len(),
+            method,
+        })
+    }
+
+    /// Returns the loop parameters.
+    #[must_use]
+    pub fn loop_params(&self) -> &WorldLoop {
+        &self.loop_params
+    }
+
+    /// Returns the name of a tool or body.
+    #[must_use]
+    pub fn name_of(&self, side: Side) -> &str {
+        match side {
+            Side::Tool(number) => &self.world.tools[number].name,
+            Side::Body(number) => &self.world.bodies[number].name,
+        }
+    }
+
+    /// Creates a state before the first sample, with the bodies in their initial states and an empty energy ledger.
+    /// At the first sample the devices are assumed to be at rest.
+    #[must_use]
+    pub fn start(&self) -> WorldState {
+        let now = Moving {
+            parts: self.parts.clone(),
+            tools: self.tools,
+            touches: vec![Touch::apart(); self.points.len()],
+            nearby: self.nearby.clone(),
+            surfaces: self.surfaces.clone(),
+            blocks: self.blocks.clone(),
+            links: self.links.clone(),
+            carried: vec![None; self.carried()],
+            expects_the_missed: false,
+        };
+        let side = |number: usize| Side::new(number, self.tools);
+        let contacts = self.points.iter().map(|point| ContactState {
+            between: [side(point.first), side(point.second)],
+            mode: crate::Mode::Free,
+            point: [0.0; 3],
+            normal: [0.0; 3],
+            penetration: 0.0,
+            force: [0.0; 3],
+            bristle: [0.0; 3],
+        });
+        let bodies = &self.parts[self.tools..];
+        // If no tool turns, no torque is tracked.
+        let turning = if self.turns.contains(&true) {
+            self.tools
+        } else {
+            0
+        };
+        let mut progress = Progress {
+            ahead: now.clone(),
+            room: now.clone(),
+            tracking: Tracking::new(&self.turns),
+            commands: Commands::new(
+                self.tools,
+                &self.loop_params.actuation,
+                self.loop_params.period,
+            ),
+            torque_commands: Commands::new(
+                turning,
+                &self.loop_params.actuation,
+                self.loop_params.period,
+            ),
+            intended: vec![Vector3::zeros(); self.tools],
+            intended_torques: vec![Vector3::zeros(); self.tools],
+            forces: vec![[0.0; 3]; self.tools],
+            torques: vec![[0.0; 3]; self.tools],
+            tools: vec![ToolState::default(); self.tools],
+            bodies: bodies.iter().map(body_state).collect(),
+            contacts: contacts.collect(),
+            sides: vec![Entry::default(); self.points.len()],
+            at_ports: CreatedAtPorts::none(self.points.len()),
+            ledger: EnergyLedger {
+                contacts: vec![ContactLedger::default(); self.points.len()],
+                bodies: bodies
+                    .iter()
+                    .map(|part| BodyLedger {
+                        kinetic: part.mobility.kinetic_energy(&part.rigid),
+                        ..BodyLedger::default()
+                    })
+                    .collect(),
+                joints: self.joints_at_start(),
+                devices: vec![DeviceLedger::default(); self.tools],
+                gone: Departed::default(),
+            },
+            guard: Account::new(&self.loop_params.guard, self.tools, 0.0),
+            now,
+        };
+        let ledger = &progress.ledger;
+        let bodies: f64 = ledger.bodies.iter().map(|entry| entry.kinetic).sum();
+        let joints: f64 = ledger.joints.iter().map(|entry| entry.stored).sum();
+        progress.guard.appeared(bodies + joints);
+        let memory = self.method.memory(self);
+        self.publish(&mut progress, &memory);
+        WorldState { progress, memory }
+    }
+
+    /// Returns the number of tools for which a proxy with position-dependent mass must be provided.
+    fn carried(&self) -> usize {
+        let mut tools = self.world.tools.iter();
+        if tools.any(|tool| tool.mass_table.is_some()) {
+            self.tools
+        } else {
+            0
+        }
+    }
+
+    /// Returns the initial ledgers of the joints, whose springs may be stretched.
+    fn joints_at_start(&self) -> Vec<JointLedger> {
+        let mut ledger = vec![JointLedger::default(); self.joints];
+        let mut parts = self.parts.clone();
+        for mut link in self.links.iter().copied() {
+            link.meet(&mut parts);
+            ledger[link.joint].stored += link.stored;
+        }
+        ledger
+    }
+
+    /// Replaces the last output on a tool by the force that was actually sent `[N]`, for example after saturation.
+    /// Its delay is that of the output. Non-finite values are ignored, and so are components along axes that the
+    /// device lacks.
+    pub fn report_sent(&self, state: &mut WorldState, tool: usize, mut force: Vector) {
+        if let Some(axes) = self.axes.get(tool) {
+            axes.keep(&mut force);
+        }
+        if force.iter().all(|x| x.is_finite()) {
+            state.progress.commands.correct(tool, force.into());
+        }
+    }
+
+    /// Replaces the last output on a tool by the torque that was actually sent `[N m]`, like
+    /// [`report_sent`](Self::report_sent) for the force. Ignored for a tool that feels no torque.
+    pub fn report_sent_torque(&self, state: &mut WorldState, tool: usize, torque: Vector) {
+        let feels_torque = self.world.tools.get(tool).is_some_and(Tool::feels_torque);
+        if torque.iter().all(|x| x.is_finite()) && feels_torque {
+            state.progress.torque_commands.correct(tool, torque.into());
+        }
+    }
+
+    /// Performs one tick: takes a sample of all devices and returns the forces and torques to hold until the next
+    /// one.
+    ///
+    /// `state` must have been started by this renderer; with the state of another renderer a tick may panic.
+    /// Otherwise a tick never panics, allocates, blocks or loops without bound, and its forces and torques are finite
+    /// for any input.
+    ///
+    /// An unusable sample gives zero forces and torques and a fault. The bodies then pause, and keep their positions
+    /// and momentum from the last used sample.
+    pub fn step<'s>(&self, state: &'s mut WorldState, sample: &Sample<'_>) -> Output<'s> {
+        let WorldState { progress, memory } = state;
+        let elapsed = progress.tracking.believe(sample, &self.loop_params);
+        let duration = *elapsed.as_ref().unwrap_or(&self.loop_params.period);
+        progress.commands.pass(duration);
+        progress.torque_commands.pass(duration);
+        self.account(progress, elapsed.is_ok());
+        let mut effort = Effort::default();
+        let answer = elapsed
+            .and_then(|elapsed| self.try_step(progress, memory, sample, (elapsed, &mut effort)));
+        let (limited, fault) = match answer {
+            Ok(limited) => (limited, None),
+            Err(fault) => {
+                progress.tracking.in_progress = false;
+                progress.intended.fill(Vector3::zeros());
+                progress.intended_torques.fill(Vector3::zeros());
+                progress.forces.fill([0.0; 3]);
+                progress.torques.fill([0.0; 3]);
+                (Limited::default(), Some(fault))
+            }
+        };
+        progress.close_ports();
+        progress.commands.send(&progress.intended, &progress.forces);
+        let torques = &progress.intended_torques;
+        progress.torque_commands.send(torques, &progress.torques);
+        self.publish(progress, memory);
+        Output {
+            forces: &progress.forces,
+            torques: &progress.torques,
+            limited,
+            effort,
+            fault,
+        }
+    }
+
+    /// Performs the tick. `effort` is set for a rejected sample too.
+    fn try_step(
+        &self,
+        state: &mut Progress,
+        memory: &mut Memory,
+        sample: &Sample<'_>,
+        (elapsed, effort): (f64, &mut Effort),
+    ) -> Result<Limited, WorldFault> {
+        let overflow = WorldFault {
+            fault: Fault::Overflow,
+            tool: None,
+        };
+        let mut limited = Limited::default();
+        let positions = sample.positions;
+        if state.tracking.in_progress {
+            *effort = self
+                .method
+                .conclude(self, state, memory, positions, elapsed, &mut limited);
+            if !state.now.is_finite() {
+                self.put_back(state);
+                return Err(overflow);
+            }
+        } else {
+            state.now.forget_sides();
+            let before = state.ledger.observed();
+            self.method.begin(self, state, memory, positions);
+            state.guard.appeared(state.ledger.observed() - before);
+        }
+        state.tracking.trust();
+        *effort = effort.and(self.plan(state, memory));
+        let intended = state.intended.iter().chain(&state.intended_torques);
+        if effort.unstable || !intended.flatten().all(|x| x.is_finite()) {
+            self.put_back(state);
+            return Err(overflow);
+        }
+        let limits = (
+            &self.loop_params.force_limits,
+            &self.loop_params.torque_limits,
+        );
+        let gain = self.loop_params.actuation.limit_gain();
+        limited.force = limit(&state.intended, &mut state.forces, limits.0, gain);
+        limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1, gain);
+        limited.guard = self.guard(state);
+        Ok(limited)
+    }
+
+    /// Starts the method with the devices at these positions `[m]`, at rest, and plans the next interval.
+    pub(crate) fn begin_and_plan(
+        &self,
+        state: &mut Progress,
+        memory: &mut Memory,
+        positions: &[Vector],
+    ) {
+        self.method.begin(self, state, memory, positions);
+        let _ = self.plan(state, memory);
+    }
+
+    /// Computes the method's forces and torques, restricted to the axes that the devices have.
+    fn plan(&self, state: &mut Progress, memory: &mut Memory) -> Effort {
+        let effort = self.method.plan(self, state, memory);
+        for (intended, axes) in state.intended.iter_mut().zip(&self.axes) {
+            *intended = axes.along(intended);
+        }
+        effort
+    }
+
+    /// Updates the guard for an interval that has ended, with an accepted or rejected sample.
+    fn account(&self, state: &mut Progress, is_believed: bool) {
+        let Some(params) = self.loop_params.guard.params() else {
+            return;
+        };
+        let is_known = is_believed && state.tracking.in_progress;
+        let tracking = &state.tracking;
+        let moved = is_known.then_some(|tool| tracking.moved(tool));
+        let commands = (&state.commands, &state.torque_commands);
+        state
+            .guard
+            .pass(params, commands, moved, self.loop_params.period);
+    }
+
+    /// Limits forces and torques to the guard's bound, if it is set to limit. Returns whether they exceeded it.
+    fn guard(&self, state: &mut Progress) -> bool {
+        let Some(params) = self.loop_params.guard.params() else {
+            return false;
+        };
+        let period = self.loop_params.period;
+        let expected: f64 = (0..self.tools)
+            .map(|tool| {
+                state.commands.impulse_to_come(tool) * params.largest_speed
+                    + state.torque_commands.impulse_to_come(tool) * params.largest_turning
+            })
+            .sum();
+        let free = state.guard.free(params, &state.ledger, expected, period);
+        state.guard.left = free;
+        let power = most_of(params, &state.forces, &state.torques);
+        let kept = self.kept(state, power);
+        if let Some(kept) = kept.filter(|_| self.loop_params.guard.limits()) {
+            for vector in state.forces.iter_mut().chain(&mut state.torques) {
+                *vector = vector.map(|x| x * kept + 0.0);
+            }
+        }
+        kept.is_some()
+    }
+
+    /// Returns the fraction that the guard allows of an action with this power `[W]`, if it exceeds the bound.
+    fn kept(&self, state: &Progress, power: f64) -> Option<f64> {
+        let asked = power * state.commands.gain() * self.loop_params.period;
+        // If it exceeds the bound, `asked` is above 0.
+        (asked > state.guard.left).then(|| state.guard.left / asked)
+    }
+
+    /// Limits other forces and torques, to be held instead of the last output, to the limits of the loop and its
+    /// guard. Returns which limits acted. `held` has one entry per tool; `parts` gives its force `[N]` and torque `[N
+    /// m]`. A guard that only reports in a tick only reports here.
+    pub fn keep_within<T>(
+        &self,
+        state: &WorldState,
+        held: &mut [T],
+        parts: impl Fn(&mut T) -> [&mut Vector; 2],
+    ) -> Limited {
+        let state = &state.progress;
+        let mut limited = Limited::default();
+        let guard = self.loop_params.guard.params();
+        let gain = self.loop_params.actuation.limit_gain();
+        let mut power = 0.0;
+        for (tool, held) in held.iter_mut().enumerate() {
+            let [force, torque] = parts(held);
+            limited.force |= shorten(force, self.loop_params.force_limits.get(tool), gain);
+            limited.torque |= shorten(torque, self.loop_params.torque_limits.get(tool), gain);
+            power += guard.map_or(0.0, |params| most_of(params, &[*force], &[*torque]));
+        }
+        let kept = guard.and_then(|_| self.kept(state, power));
+        limited.guard = kept.is_some();
+        if let Some(kept) = kept.filter(|_| self.loop_params.guard.limits()) {
+            for vector in held.iter_mut().flat_map(parts) {
+                *vector = vector.map(|x| x * kept + 0.0);
+            }
+        }
+        limited
+    }
+}
+
+/// Scales the command of each tool to its limit, if there are limits. Returns whether one acted.
+fn limit(intended: &[Vector3], sent: &mut [Vector], limits: &[f64], gain: f64) -> bool {
+    let mut acted = false;
+    for (tool, (intended, sent)) in intended.iter().zip(sent).enumerate() {
+        *sent = (*intended).into();
+        acted |= shorten(sent, limits.get(tool), gain);
+    }
+    acted
+}
+
+/// Scales down a vector that exceeds `most` after a `gain`. Returns whether it did.
+fn shorten(vector: &mut Vector, most: Option<&f64>, gain: f64) -> bool {
+    let long = Vector3::from(*vector);
+    let norm = long.norm();
+    let most = most.map(|most| most / gain).filter(|most| norm > *most);
+    if let Some(most) = most {
+        *vector = (long * (most / norm)).into();
+    }
+    most.is_some()
+}
+
+impl WorldRenderer {
+    /// Resets the bodies to their initial states after a non-finite motion.
+    fn put_back(&self, state: &mut Progress) {
+        let Moving { parts, links, .. } = &mut state.now;
+        parts.copy_from_slice(&self.parts);
+        for link in links {
+            link.meet(parts);
+        }
+        // Discard the loads of the joints.
+        parts.copy_from_slice(&self.parts);
+        for touch in &mut state.now.touches {
+            *touch = Touch::apart();
+        }
+        state.now.forget_sides();
+        for (part, entry) in self.parts[self.tools..]
+            .iter()
+            .zip(&mut state.ledger.bodies)
+        {
+            let kinetic = part.mobility.kinetic_energy(&part.rigid);
+            entry.outside += kinetic - entry.kinetic;
+            entry.kinetic = kinetic;
+        }
+        for entry in &mut state.ledger.contacts {
+            entry.observed -= entry.stored;
+            state.guard.appeared(-entry.stored);
+            entry.stored = 0.0;
+        }
+        for (number, entry) in state.ledger.joints.iter_mut().enumerate() {
+            let links = state.now.links.iter().filter(|link| link.joint == number);
+            let stored: f64 = links.map(|link| link.stored).sum();
+            entry.outside += stored - entry.stored;
+            state.guard.appeared(stored - entry.stored);
+            entry.stored = stored;
+        }
+    }
+
+    /// Copies the body states.
+    pub(crate) fn show_bodies(&self, state: &mut Progress) {
+        for (part, body) in state.now.parts[self.tools..].iter().zip(&mut state.bodies) {
+            *body = body_state(part);
+        }
+    }
+
+    /// Copies the readable part of a state.
+    pub(crate) fn publish(&self, state: &mut Progress, memory: &Memory) {
+        self.show_bodies(state);
+        memory.publish(state);
+        self.watch_sides(state);
+        let sent = state.forces.iter().zip(&state.torques);
+        for (tool, (force, torque)) in state.tools.iter_mut().zip(sent) {
+            tool.force = *force;
+            tool.torque = *torque;
+        }
+    }
+}
+
+/// Returns the springs of all joints of a checked world.
+fn links(world: &World, parts: &[Part]) -> Vec<Link> {
+    let number = |name: &String| {
+        let place = world.bodies.iter().position(|body| body.name == *name);
+        place.map(|body| world.tools.len() + body)
+    };
+    let joints = world.joints.iter().enumerate();
+    joints
+        .flat_map(|(joint, of)| {
+            let sides = [number(&of.body), of.against.as_ref().and_then(number)];
+            links_of(of, joint, sides, parts)
+        })
+        .collect()
+}
+
+fn part_of(body: &Body) -> Part {
+    let orientation = crate::geometry::rigid::orientation(body.orientation);
+    let mut rigid = Rigid {
+        position: body.position.into(),
+        orientation,
+        velocity: Vector3::zeros(),
+        spin: Vector3::zeros(),
+    };
+    let Motion::Free(free) = &body.motion else {
+        return Part::fixed(rigid);
+    };
+    // A half-space has no moments of inertia and is rejected as a moving body.
+    let moments = free.inertia.or_else(|| body.shape.moments(free.mass));
+    let moments = moments.unwrap_or([f64::INFINITY; 3]);
+    let mobility = Mobility::of_body(free.mass, moments);
+    let own = orientation.inverse_transform_vector(&free.angular_velocity.into());
+    rigid.velocity = free.velocity.into();
+    rigid.spin = orientation * own.component_mul(&Vector3::from(moments));
+    let force: Vector3 = free.force.into();
+    Part::new(rigid, mobility, Drive::constant(force / free.mass))
+}
