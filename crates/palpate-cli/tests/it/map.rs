@@ -221,7 +221,7 @@ fn what_is_told_wrong_and_delays_stand_in_the_map() {
                      --encoder-quantum 1e-5 --viscous-friction 0.5 --show growth,over-floor";
     let text = folder.succeed(arguments);
     for word in [
-        "delay [samples] 1",
+        "delay [periods] 1",
         "model mass x 2",
         "model period x 1.1",
         "0.5 N s/m",

@@ -273,7 +273,7 @@ fn flags_of_one_contact_and_methods_of_one_contact_are_refused() {
     let folder = folder();
     for (flags, why) in [
         ("--stiffness 5", "--stiffness: ball.toml is a world"),
-        ("--delay-periods 1", "--delay: ball.toml is a world"),
+        ("--delay-periods 1", "--delay-periods: ball.toml is a world"),
         ("--damping 3", "--damping: ball.toml is a world"),
         (
             "--method hfcr",
