@@ -142,7 +142,7 @@ mod tests {
         assert_eq!((model.delay, model.gain), (None, None));
         assert_eq!(model.sensor_noise, Some(4e-6));
         let other = Question {
-            delay: Some(2.0),
+            delay: Some(2e-3),
             lag_deviation: Some(1e-5),
             ..asked(&file)
         };
@@ -154,7 +154,7 @@ mod tests {
         assert_eq!(asked(&file).bounce().unwrap().delay, 1.0);
         let stated = Question {
             device_mass: Some(0.3),
-            delay: Some(0.5),
+            delay: Some(0.5e-3),
             lag: Some(1e-4),
             stiffness: Some(100.0),
             ..asked(&file)
