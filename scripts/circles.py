@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
-"""Finds dependency cycles of the files of a crate, by their `use` lines.
+"""Finds dependency cycles of the files of palpate-cli and of the folders of every crate, by their `use` lines.
 
-    scripts/circles.py [FOLDER...]    exit code 1 if there is a cycle; without a FOLDER, crates/palpate-cli/src
+    scripts/circles.py              exit code 1 if there is a cycle
+    scripts/circles.py FOLDER...    cycles of the files in these folders
 
 A file depends on the files that define the names that it uses. A re-exported name (`pub use`) counts for the file that
-defines it, and the `pub use` lines of a `mod.rs` do not count. Tests inside a file are ignored.
+defines it, and the `pub use` lines of a `mod.rs` do not count. Tests are ignored. A folder of a crate depends on the
+folders on which its files depend.
 """
 
 import re
 import sys
 from pathlib import Path
 
+TESTS = re.compile(r'#\[cfg\((?:all\()?test\b[^\n]*\n(?:#\[(?:path = "(\w+)\.rs"|[^\n]*)\]\n)*mod (\w+);')
+CRATES = Path(__file__).parent.parent / "crates"
 USE = re.compile(r"\b(pub(?:\([a-z]+\))? )?use ([^;]+);")
 
 
@@ -24,6 +28,13 @@ def modules(folder):
         text = re.sub(r"//.*", "", path.read_text())
         found[parts] = (path.name, re.split(r"#\[cfg\(test\)\]\s*mod tests\b", text)[0])
     found.pop(("main",), None)
+    tests = {
+        (module[:-1] if path else module) + (path or name,)
+        for module, (_, text) in found.items()
+        for path, name in TESTS.findall(text)
+    }
+    for module in tests:
+        found = {path: file for path, file in found.items() if path[: len(module)] != module}
     return found
 
 
@@ -92,11 +103,23 @@ def circles(depends):
     return {frozenset(b for b in reached[a] if a in reached[b]) for a in depends if a in reached[a]}
 
 
+def of_folders(depends):
+    """Returns the dependencies of the folders of a crate."""
+    folders = {module[:1] for module in depends if len(module) > 1}
+    found = {folder: set() for folder in folders}
+    for module, others in depends.items():
+        if module[:1] in folders:
+            found[module[:1]] |= {other[:1] for other in others} & folders - {module[:1]}
+    return found
+
+
 def main():
-    folders = sys.argv[1:] or [Path(__file__).parent.parent / "crates/palpate-cli/src"]
+    crates = sorted(CRATES.glob("*/src"))
+    searched = [(Path(folder), lambda depends: depends) for folder in sys.argv[1:]]
+    searched = searched or [(CRATES / "palpate-cli/src", lambda depends: depends)] + [(crate, of_folders) for crate in crates]
     are_there = False
-    for folder in map(Path, folders):
-        for circle in sorted(circles(arrows(modules(folder))), key=sorted):
+    for folder, of in searched:
+        for circle in sorted(circles(of(arrows(modules(folder)))), key=sorted):
             are_there = True
             print(f"{folder}: " + ", ".join(sorted("::".join(module) for module in circle)))
     return int(are_there)

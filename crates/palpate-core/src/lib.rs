@@ -55,7 +55,6 @@ mod energy;
 mod guard;
 mod motion;
 mod parameter;
-mod predict;
 mod relative_motion;
 mod render;
 mod rendering;
@@ -75,8 +74,6 @@ pub use motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
 pub use parameter::{
     Allowed, Parameter, ParameterError, ParameterName, ParameterValue, Range, Unit,
 };
-pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory, PredictionName};
-pub use predict::{SensorInterval, SensorNoise};
 pub use render::*;
 pub use rendering::{CHANGE_DURATION, Change, ChangeError, Rendering, Running};
 pub use sample::{Fault, Limited, Output, Phase, Sample};

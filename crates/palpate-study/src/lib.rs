@@ -30,6 +30,7 @@ pub mod report;
 #[cfg(test)]
 mod schemas;
 pub mod sim;
+pub mod spread;
 pub mod suite;
 pub mod sweep;
 pub mod table;

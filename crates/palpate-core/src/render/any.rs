@@ -9,7 +9,7 @@ use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion};
 use crate::parameter::{ParameterError, ParameterValue};
-use crate::predict::PredictionMemory;
+use crate::render::predict::PredictionMemory;
 
 /// Memory of a method within that of any method: a field, or nothing.
 macro_rules! part {

@@ -14,10 +14,10 @@ use crate::actuator::Held;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion};
 use crate::parameter::{ParameterError, ParameterValue};
-use crate::predict::{
+use crate::relative_motion::Relative;
+use crate::render::predict::{
     Flexure, Lateness, Observer, ObserverParams, Placed, SensorInterval, SensorNoise, Sway,
 };
-use crate::relative_motion::Relative;
 
 /// Coupled rendering by name.
 pub(super) const COUPLED: MethodInfo = MethodInfo {

@@ -7,7 +7,9 @@ use crate::Scalar;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion, Rule, Start};
 use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
-use crate::predict::{LONGEST_WINDOW_SETTING, PREDICTION, Prediction, PredictionMemory, Predictor};
+use crate::render::predict::{
+    LONGEST_WINDOW_SETTING, PREDICTION, Prediction, PredictionMemory, Predictor,
+};
 
 /// Shorter device displacements `[m]` count as 0 in divisions of the force.
 const STANDSTILL: f64 = 1e-9;

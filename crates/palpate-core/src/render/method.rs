@@ -7,7 +7,7 @@ use crate::actuator::{Ahead, Held};
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion, Rule, Start};
 use crate::parameter::{ParameterError, ParameterValue};
-use crate::predict::Measurement;
+use crate::render::predict::Measurement;
 
 /// Unchecked parameters of a method.
 pub trait MethodParams<S: Scalar> {

@@ -13,6 +13,7 @@ mod method;
 mod named;
 mod popc;
 mod popc_ref;
+mod predict;
 mod seh;
 mod setting;
 mod state;
@@ -22,6 +23,9 @@ pub use any::*;
 pub use basic::{Basic, BasicParams};
 pub use method::{Ended, Method, MethodParams, Plan, Situation};
 pub use named::{MethodInfo, MethodName, all_settings};
+pub use predict::{
+    LONGEST_WINDOW, Prediction, PredictionMemory, PredictionName, SensorInterval, SensorNoise,
+};
 pub use setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 pub use state::State;
 

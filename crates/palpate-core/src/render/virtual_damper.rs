@@ -7,7 +7,9 @@ use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion, Start};
 use crate::parameter::{ParameterError, ParameterValue, Range, Unit};
-use crate::predict::{LONGEST_WINDOW_SETTING, PREDICTION, Prediction, PredictionMemory, Predictor};
+use crate::render::predict::{
+    LONGEST_WINDOW_SETTING, PREDICTION, Prediction, PredictionMemory, Predictor,
+};
 
 /// The virtual damper by name.
 pub(super) const VIRTUAL_DAMPER: MethodInfo = MethodInfo {

@@ -2,7 +2,7 @@
 
 use crate::figure::{Figure, Kind, Panel, Role, Row, Series};
 use palpate_study::calibrate::{Calibration, Quantity};
-use palpate_study::card::MotionCard;
+use palpate_study::calibration::MotionCard;
 
 /// Returns the figure of positions, fit residual and commands, without a title.
 #[must_use]

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::calibrate::{Calibration, Quantity};
 use serde::Serialize;
 
-use crate::card::MotionCard;
+use super::MotionCard;
 use crate::text::digits;
 
 /// Name and version of the JSON report.

@@ -2,8 +2,8 @@
 
 use crate::calibrate::Measured;
 
+use super::MotionCard;
 use super::motion::ExcitedMotion;
-use crate::card::MotionCard;
 
 /// Duration of the drawn part `[s]`, short enough to show steps of the force.
 const SHOWN: f64 = 0.25;

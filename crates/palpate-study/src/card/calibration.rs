@@ -1,6 +1,7 @@
 //! Calibration in a device report: the values of a device file, and the fit if its report is available.
 
 use crate::calibrate::{Calibration, Quantity};
+use crate::calibration::MotionCard;
 use serde::{Deserialize, Serialize};
 
 /// Format of the readable calibration reports.
@@ -40,21 +41,6 @@ pub struct FoundCard {
     pub standard_deviation: Option<f64>,
     /// Identification method; none if unknown.
     pub found_by: Option<String>,
-}
-
-/// A part of the motion of a calibration, with the fit's prediction.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
-#[non_exhaustive]
-pub struct MotionCard {
-    /// Times `[s]`.
-    pub t_s: Vec<f64>,
-    /// Measured positions relative to the start of the device `[m]`.
-    pub measured_m: Vec<f64>,
-    /// One-step predictions of the fit relative to the start of the device `[m]`.
-    pub fitted_m: Vec<f64>,
-    /// Commands `[N]`.
-    pub command_n: Vec<f64>,
 }
 
 /// Parsed content of a calibration report, `palpate calibrate --report`.

@@ -19,7 +19,7 @@ use palpate_scene::Model;
 use palpate_scene::method::MethodName;
 use serde::Serialize;
 
-pub use calibration::{CalibrationCard, CalibrationRun, FoundCard, MotionCard, NoCalibrationRun};
+pub use calibration::{CalibrationCard, CalibrationRun, FoundCard, NoCalibrationRun};
 pub use checks::{Check, Outcome};
 pub use contact::{ContactCard, Curve};
 pub use date::utc;

@@ -33,7 +33,7 @@ use palpate_testbed::metrics::Rebound;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::suite::Spread;
+use crate::spread::Spread;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate report 1";

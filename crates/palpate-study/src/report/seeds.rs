@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{MethodReport, Report};
-use crate::suite::Spread;
+use crate::spread::Spread;
 
 /// Values of a method over the seeds of the random numbers.
 #[derive(Clone, Debug, Serialize)]

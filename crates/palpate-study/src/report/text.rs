@@ -6,7 +6,7 @@ use comfy_table::{Cell, CellAlignment, Table};
 use palpate_core::Mass;
 
 use super::{CollisionReport, MethodReport, OverSeeds, Report};
-use crate::suite::Spread;
+use crate::spread::Spread;
 use crate::text::{
     E, FRE, WIDTH, counted, digits, hanging, legend, lines, number, percent, plain_table, short,
     whole, width, wrapped,

@@ -7,10 +7,10 @@
 //! ```
 //! use std::sync::Arc;
 //! use palpate_core::{Actuation, Contact, LoopParams, ObjectState};
-//! use crate::sim::closed_loop::Bench;
-//! use crate::sim::hand_replay::{self, HandModel, RecordedHand, Recording};
+//! use palpate_study::sim::closed_loop::Bench;
+//! use palpate_study::sim::hand_replay::{self, HandModel, RecordedHand, Recording};
 //! use palpate_scene::method::MethodName;
-//! use crate::sim::replay::ReplaySetup;
+//! use palpate_study::sim::replay::ReplaySetup;
 //!
 //! // Half a second of a hand that swings by 5 mm, seen at 1 kHz; the motor was off.
 //! let times: Vec<f64> = (0..=500).map(|i| f64::from(i) * 1e-3).collect();

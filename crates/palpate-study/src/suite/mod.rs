@@ -12,16 +12,16 @@ mod draw;
 pub mod report;
 mod score;
 mod set;
-mod spread;
 mod steps;
+mod summary;
 pub mod table;
 
 pub use column::{Column, ColumnError, Dampings};
 pub use draw::{DrawError, RandomPlant};
 pub use score::{Score, plants, scores};
 pub use set::{Condition, Set, Telling};
-pub use spread::{Spread, Summary, quantile, summary};
 pub use steps::Step;
+pub use summary::{Summary, summary};
 
 use std::ops::Range;
 

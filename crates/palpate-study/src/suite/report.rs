@@ -6,10 +6,9 @@ use std::path::Path;
 use comfy_table::{Cell, CellAlignment, Table};
 use serde::Serialize;
 
-use super::spread::summary_of;
-use super::{
-    COLLISIONS, Column, Condition, Evaluated, Score, Set, Spread, Summary, plants, scores,
-};
+use super::summary::summary_of;
+use super::{COLLISIONS, Column, Condition, Evaluated, Score, Set, Summary, plants, scores};
+use crate::spread::Spread;
 use crate::text::{E, FRE, counted, legend, lines, number, percent, plain_table, short, wrapped};
 
 /// Name and version of the JSON report.

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use super::candidates::{Scale, Tunable};
 use super::tune::NO_FORCE_PERCENT;
-use crate::suite::Spread;
+use crate::spread::Spread;
 use crate::text::{E, counted, legend, lines, plain_table, short, wrapped};
 
 /// Name and version of the JSON report.

@@ -8,9 +8,10 @@ use palpate_scene::{Delay, SceneFile};
 use palpate_study::heights::over_heights;
 use palpate_study::json;
 use palpate_study::sim::closed_loop::Bench;
+use palpate_study::spread::quantile;
 use palpate_study::suite::report::SuiteReport;
 use palpate_study::suite::{
-    Column, DELAYS, Evaluated, RandomPlant, Set, quantile, run, run_part, scores, summary,
+    Column, DELAYS, Evaluated, RandomPlant, Set, run, run_part, scores, summary,
 };
 use palpate_study::tune::{Objective, best as tuned_best, tune};
 use rayon::prelude::*;

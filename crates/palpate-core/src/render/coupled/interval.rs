@@ -5,9 +5,9 @@ use super::Coupled;
 use crate::Scalar;
 use crate::actuator::Held;
 use crate::motion::{Displacement, ObjectMotion, Rule};
-use crate::predict::{EstimatedMotion, Sway};
 use crate::relative_motion::{Course, Drive, Relative};
 use crate::render::method::Ended;
+use crate::render::predict::{EstimatedMotion, Sway};
 use crate::response::Response;
 
 /// Proxy of the device in the contact. CHAI3D's proxy is constrained to the surface; this one is not.

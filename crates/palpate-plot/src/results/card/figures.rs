@@ -2,7 +2,8 @@
 
 use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series, Size, SizeError, svg};
 use palpate_study::advise::Reach;
-use palpate_study::card::{ContactCard, Distribution, MethodReachCard, MotionCard, ReachCard};
+use palpate_study::calibration::MotionCard;
+use palpate_study::card::{ContactCard, Distribution, MethodReachCard, ReachCard};
 
 use super::escape::escaped;
 
