@@ -29,7 +29,7 @@ export async function startLive(...args) {
   const folder = mkdtempSync(join(tmpdir(), "palpate-browser-"));
   const listen = args.includes("--listen") ? [] : ["--listen", "127.0.0.1:0"];
   // On a loaded machine a loop waits for long, which ends it without this flag.
-  const patient = args.includes("--stall-after") ? [] : ["--stall-after", "1000"];
+  const patient = args.includes("--stall-after-periods") ? [] : ["--stall-after-periods", "1000"];
   const child = spawn(PROGRAM, ["live", ...listen, ...patient, ...args], { cwd: folder, stdio: ["ignore", "pipe", "pipe"] });
   running.add(child);
   child.on("exit", () => running.delete(child));

@@ -42,7 +42,7 @@ def pressing(**changes: Any) -> palpate.devices.Pointer:
 
 def loop(device: palpate.devices.Device, renderer: palpate.Renderer, **changes: Any) -> palpate.Loop:
     # Limits that tolerate a stalled machine, which is not under test.
-    return palpate.Loop(device, renderer, **{"priority": 0, "stall_after": 1000.0, "oscillation": math.inf, **changes})
+    return palpate.Loop(device, renderer, **{"priority": 0, "stall_after_periods": 1000.0, "oscillation": math.inf, **changes})
 
 
 def until(what: str, is_so: Callable[[], Any]) -> None:
@@ -410,7 +410,7 @@ import palpate
 signal.signal(signal.SIGINT, signal.default_int_handler)
 device = palpate.devices.TwoDiy(sys.argv[1], start_pose=(130, 50), origin=(0.019, 0.11), normal=(0, 1))
 renderer = palpate.Renderer(stiffness=300.0, mass=math.inf, period=0.004, method="basic", soft_start=0.0)
-loop = palpate.Loop(device, renderer, priority=0, stall_after=50.0, oscillation=math.inf)
+loop = palpate.Loop(device, renderer, priority=0, stall_after_periods=50.0, oscillation=math.inf)
 {begin}
     while not loop.status.force[1] < -0.5:
         if loop.status.motors_off or not loop.status.running:

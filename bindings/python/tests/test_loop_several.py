@@ -237,7 +237,7 @@ world = palpate.World(
 )
 device = palpate.devices.TwoDiy(sys.argv[1], start_pose=(130, 50), origin=(0.019, 0.11), world_axes=["x", "z"])
 devices = {{"board": device, "other": palpate.devices.PointerInWorld(world, "other")}}
-loop = palpate.Loop(devices, world, priority=0, stall_after=50.0, oscillation=math.inf)
+loop = palpate.Loop(devices, world, priority=0, stall_after_periods=50.0, oscillation=math.inf)
 {begin}
     while not loop.status.forces[1][1] < -0.5:
         if loop.status.motors_off or not loop.status.running:

@@ -202,128 +202,155 @@ impl Linkage {
     pub fn parse(name: &str, source: &str) -> Result<Self, SceneError> {
         let fault =
             |span: Range<usize>, message: String| SceneError::at(name, source, span, message);
-        if let Ok(RawVersion { device_format }) = toml_reader::from_text(source)
-            && *device_format.get_ref() != FORMAT
-        {
-            return Err(fault(
-                device_format.span(),
-                format!(
-                    "device_format is {}, but this version reads {FORMAT} only",
-                    device_format.get_ref()
-                ),
-            ));
-        }
-        let raw: RawDeviceFile = toml_reader::from_text(source).map_err(|error| {
+        check_format(source).map_err(|(span, message)| fault(span, message))?;
+        let mut raw: RawDeviceFile = toml_reader::from_text(source).map_err(|error| {
             fault(
                 error.span().unwrap_or(0..0),
                 in_plain_words(error.message()),
             )
         })?;
+        let title = std::mem::take(&mut raw.title);
+        let (raw_hold_x, raw_box) = (raw.hold_x.take(), raw.safety_box.take());
         let mut places = Places::<Parameter>::default();
-        let geometry = Geometry {
-            proximal: places.take(Parameter::Proximal, raw.geometry.proximal_m),
-            distal: places.take(Parameter::Distal, raw.geometry.distal_m),
-            base: places.take(Parameter::Base, raw.geometry.base_m),
-            assembly: match raw.geometry.assembly {
-                RawAssembly::Far => Assembly::Far,
-                RawAssembly::Near => Assembly::Near,
-            },
-            origin: match raw.geometry.origin {
-                RawOrigin::Motor1 => Origin::Motor1,
-                RawOrigin::Centre => Origin::Centre,
-            },
-        };
-        let params = PantographParams {
-            geometry,
-            home: places
-                .take(Parameter::Home, raw.home.angles_deg)
-                .0
-                .map(f64::to_radians),
-            proximal: links(
-                &mut places,
-                [
-                    Parameter::ProximalMass,
-                    Parameter::ProximalCentre,
-                    Parameter::ProximalInertia,
-                ],
-                raw.proximal,
-                geometry.proximal,
-            ),
-            distal: links(
-                &mut places,
-                [
-                    Parameter::DistalMass,
-                    Parameter::DistalCentre,
-                    Parameter::DistalInertia,
-                ],
-                raw.distal,
-                geometry.distal,
-            ),
-            rotor_inertia: places.take(Parameter::RotorInertia, raw.motors.rotor_inertia_kg_m2),
-            end_point_mass: places.take(Parameter::EndPointMass, raw.end_point.mass_kg),
-            viscous_friction: places.take_or(
-                Parameter::ViscousFriction,
-                raw.friction.viscous_n_m_s_per_rad,
-                0.0,
-            ),
-            coulomb_friction: places.take_or(
-                Parameter::CoulombFriction,
-                raw.friction.coulomb_n_m,
-                0.0,
-            ),
-            max_torque: places.take_or(
-                Parameter::MaxTorque,
-                raw.motors.torque_limit_n_m,
-                f64::INFINITY,
-            ),
-            counts_per_rev: raw
-                .motors
-                .counts_per_rev
-                .map(|counts| places.take(Parameter::CountsPerRev, counts)),
-            actuation: match raw.motors.actuation {
-                RawActuation::Ideal => Actuation::Ideal,
-                RawActuation::TruePose => Actuation::MotorsAtTruePose,
-                RawActuation::MeasuredPose => Actuation::MotorsAtMeasuredPose,
-            },
-            gravity: places
-                .take_or(Parameter::Gravity, raw.gravity_m_per_s2, Pair([0.0, 0.0]))
-                .0,
-        };
-        let hold_x = raw.hold_x.map(|pid| Pid {
-            target: 0.0,
-            proportional: places.take(Parameter::Proportional, pid.proportional_n_per_m),
-            integral: places.take(Parameter::Integral, pid.integral_n_per_m_s),
-            derivative: places.take(Parameter::Derivative, pid.derivative_n_s_per_m),
-            max_force: places.take(Parameter::MaxForce, pid.limit_n),
-        });
-        let safety_box = raw
-            .safety_box
+        let params = params(&mut places, raw);
+        let hold_x = raw_hold_x.map(|raw| pid(&mut places, raw));
+        let safety_box = raw_box
             .map(RawBox::read)
             .transpose()
             .map_err(|(span, message)| fault(span, message))?;
         let out_of_range = |error: InvalidParameter<Parameter>| {
-            let (place, key) = key_of(error.name);
-            let span = places.0.get(&place).cloned().unwrap_or(0..0);
-            // Angles are written in degrees.
-            let value = if place == Parameter::Home {
-                String::new()
-            } else {
-                format!(" is {}, but", error.value)
-            };
-            fault(span, format!("{key}{value} must be {}", error.allowed))
+            let (span, message) = out_of_range(&places, error);
+            fault(span, message)
         };
         let device = Pantograph::new(params).map_err(out_of_range)?;
         if let Some(pid) = hold_x {
             device.with_pid(pid).map_err(out_of_range)?;
         }
         Ok(Self {
-            title: raw.title,
+            title,
             params,
             hold_x,
             safety_box,
             keys: listed(source),
         })
     }
+}
+
+/// Rejects a file of another version, with the span and the message of the fault.
+fn check_format(source: &str) -> Result<(), (Range<usize>, String)> {
+    if let Ok(RawVersion { device_format }) = toml_reader::from_text(source)
+        && *device_format.get_ref() != FORMAT
+    {
+        return Err((
+            device_format.span(),
+            format!(
+                "device_format is {}, but this version reads {FORMAT} only",
+                device_format.get_ref()
+            ),
+        ));
+    }
+    Ok(())
+}
+
+/// Returns the lengths of the links and the base, with the assembly and the origin.
+fn geometry(places: &mut Places<Parameter>, raw: RawGeometry) -> Geometry {
+    Geometry {
+        proximal: places.take(Parameter::Proximal, raw.proximal_m),
+        distal: places.take(Parameter::Distal, raw.distal_m),
+        base: places.take(Parameter::Base, raw.base_m),
+        assembly: match raw.assembly {
+            RawAssembly::Far => Assembly::Far,
+            RawAssembly::Near => Assembly::Near,
+        },
+        origin: match raw.origin {
+            RawOrigin::Motor1 => Origin::Motor1,
+            RawOrigin::Centre => Origin::Centre,
+        },
+    }
+}
+
+/// Returns the parameters of the linkage, unchecked.
+fn params(places: &mut Places<Parameter>, raw: RawDeviceFile) -> PantographParams {
+    let geometry = geometry(places, raw.geometry);
+    PantographParams {
+        geometry,
+        home: places
+            .take(Parameter::Home, raw.home.angles_deg)
+            .0
+            .map(f64::to_radians),
+        proximal: links(
+            places,
+            [
+                Parameter::ProximalMass,
+                Parameter::ProximalCentre,
+                Parameter::ProximalInertia,
+            ],
+            raw.proximal,
+            geometry.proximal,
+        ),
+        distal: links(
+            places,
+            [
+                Parameter::DistalMass,
+                Parameter::DistalCentre,
+                Parameter::DistalInertia,
+            ],
+            raw.distal,
+            geometry.distal,
+        ),
+        rotor_inertia: places.take(Parameter::RotorInertia, raw.motors.rotor_inertia_kg_m2),
+        end_point_mass: places.take(Parameter::EndPointMass, raw.end_point.mass_kg),
+        viscous_friction: places.take_or(
+            Parameter::ViscousFriction,
+            raw.friction.viscous_n_m_s_per_rad,
+            0.0,
+        ),
+        coulomb_friction: places.take_or(Parameter::CoulombFriction, raw.friction.coulomb_n_m, 0.0),
+        max_torque: places.take_or(
+            Parameter::MaxTorque,
+            raw.motors.torque_limit_n_m,
+            f64::INFINITY,
+        ),
+        counts_per_rev: raw
+            .motors
+            .counts_per_rev
+            .map(|counts| places.take(Parameter::CountsPerRev, counts)),
+        actuation: match raw.motors.actuation {
+            RawActuation::Ideal => Actuation::Ideal,
+            RawActuation::TruePose => Actuation::MotorsAtTruePose,
+            RawActuation::MeasuredPose => Actuation::MotorsAtMeasuredPose,
+        },
+        gravity: places
+            .take_or(Parameter::Gravity, raw.gravity_m_per_s2, Pair([0.0, 0.0]))
+            .0,
+    }
+}
+
+/// Returns the controller that holds x at home.
+fn pid(places: &mut Places<Parameter>, raw: RawHoldX) -> Pid {
+    Pid {
+        target: 0.0,
+        proportional: places.take(Parameter::Proportional, raw.proportional_n_per_m),
+        integral: places.take(Parameter::Integral, raw.integral_n_per_m_s),
+        derivative: places.take(Parameter::Derivative, raw.derivative_n_s_per_m),
+        max_force: places.take(Parameter::MaxForce, raw.limit_n),
+    }
+}
+
+/// Returns the span and the message of a parameter that is out of range.
+fn out_of_range(
+    places: &Places<Parameter>,
+    error: InvalidParameter<Parameter>,
+) -> (Range<usize>, String) {
+    let (place, key) = key_of(error.name);
+    let span = places.0.get(&place).cloned().unwrap_or(0..0);
+    // Angles are written in degrees.
+    let value = if place == Parameter::Home {
+        String::new()
+    } else {
+        format!(" is {}, but", error.value)
+    };
+    (span, format!("{key}{value} must be {}", error.allowed))
 }
 
 /// Returns the file parameter that corresponds to a testbed parameter, and its name in the file.

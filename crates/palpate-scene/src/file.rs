@@ -4,9 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::io;
 use std::ops::Range;
 
-use palpate_core::{
-    Allowed, Contact, Guard, LoopParams, MethodParams as _, ObjectState, Parameter, Side,
-};
+use palpate_core::{Allowed, Contact, MethodParams as _, ObjectState, Parameter, Side};
 use serde::Deserialize;
 use toml::Spanned;
 use toml::de::DeTable;
@@ -16,11 +14,11 @@ use super::check::SceneParameterError;
 use super::delay::Delay;
 use super::device_key::{DeviceFault, RawDevice, ReadDevice, ReadPointMass};
 use super::fault::{Places, SceneError, SceneErrors};
-use super::guard::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode};
 use super::hand_key::{RawHand, ReadHand};
 use super::model::RawModel;
 use super::parameter::SceneParameter::{self, self as Of};
 use super::recover::{self, Fault};
+use super::renderer_key::RawRenderer;
 use super::timing::{RawLoop, Timing};
 use super::toml_reader;
 use super::{HandForceAt, Measure, PantographDevice, Scene, SceneDevice, SetupError};
@@ -95,28 +93,6 @@ struct RawObject {
 struct RawMeasure {
     collisions: Option<Spanned<usize>>,
     duration_s: Option<Spanned<f64>>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct RawRenderer {
-    method: Option<Spanned<String>>,
-    device_mass_kg: Option<Spanned<f64>>,
-    unilateral: Option<bool>,
-    force_limit_n: Option<Spanned<f64>>,
-    slew_limit_n_per_s: Option<Spanned<f64>>,
-    speed_limit_m_per_s: Option<Spanned<f64>>,
-    largest_gap_s: Option<Spanned<f64>>,
-    guard: Option<RawGuard>,
-}
-
-/// A bound on the energy that held forces give out.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawGuard {
-    mode: GuardMode,
-    speed_m_per_s: Option<Spanned<f64>>,
-    allowance_j: Option<Spanned<f64>>,
 }
 
 impl SceneFile {
@@ -312,25 +288,9 @@ impl Reading<'_> {
 
     fn scene(&mut self, raw: RawScene, files: Files<'_>) -> SceneFile {
         let mut places = Places::default();
-        let measure_span = raw.measure.span();
-        let measure = raw.measure.into_inner();
-        let measure = match (measure.collisions, measure.duration_s) {
-            (Some(count), None) => Measure::Collisions(places.take(Of::Collisions, count)),
-            (None, Some(duration)) => Measure::Duration(places.take(Of::Duration, duration)),
-            _ => {
-                let message = "[measure] needs either collisions or duration_s";
-                self.in_table("measure", (measure_span, message.into()));
-                Measure::Collisions(1)
-            }
-        };
+        let measure = self.measure(raw.measure, &mut places);
         let (settings, methods) = self.settings(raw.methods);
-        let mut method = MethodName::default();
-        if let Some(given) = &raw.renderer.method {
-            match method_named(given.get_ref()) {
-                Ok(named) => method = named,
-                Err(error) => self.fault((given.span(), error.to_string())),
-            }
-        }
+        let method = self.method(raw.renderer.method.as_ref());
         let object = raw.object;
         let contact = Contact {
             side: object.side.unwrap_or_default(),
@@ -340,17 +300,7 @@ impl Reading<'_> {
                 places.take(Parameter::ObjectMass, object.mass_kg),
             )
         };
-        let before = self.faults.len();
-        let mut device = self.device(raw.device, &mut places, files);
-        let is_that_device = self.faults.len() == before && !self.damaged.contains("device");
-        let hand = raw.hand.read(&mut places, files);
-        let hand = self.or("hand", hand, ReadHand::default());
-        for fault in hand.hold(&mut device) {
-            // The substitute of a faulty device may be of another kind.
-            if is_that_device {
-                self.in_table("hand", fault);
-            }
-        }
+        let device = self.held_device(raw.device, raw.hand, &mut places, files);
         let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
         let actuator = raw.r#loop.actuator(&mut places);
         if let Some(alone) = raw.model.alone() {
@@ -360,36 +310,11 @@ impl Reading<'_> {
         let timing = raw.r#loop.timing(&mut places);
         let timing = timing.map_err(|(span, message)| (span, message.to_owned()));
         let (delay, timing) = self.or("loop", timing, (Delay::NONE, Timing::default()));
-        let mut limit = |of: SceneParameter, value: Option<Spanned<f64>>| {
-            value.map(|value| places.take(of, value))
-        };
-        let rendering = raw.renderer;
-        let loop_params = LoopParams {
-            // A simulated device does not glitch; a loop that diverges is to be seen doing so.
-            speed_limit: limit(Parameter::SpeedLimit.into(), rendering.speed_limit_m_per_s),
-            force_limit: limit(Parameter::ForceLimit.into(), rendering.force_limit_n),
-            slew_limit: limit(Parameter::SlewLimit.into(), rendering.slew_limit_n_per_s),
-            largest_gap: limit(Parameter::LargestGap.into(), rendering.largest_gap_s),
-            ..LoopParams::new(period)
-        };
-        let model_device_mass = limit(Of::ModelDeviceMass, rendering.device_mass_kg);
-        let guard = rendering.guard.map_or(Guard::Off, |guard| {
-            guard.mode.guard(
-                places.take_or(Parameter::GuardSpeed, guard.speed_m_per_s, GUARD_SPEED),
-                places.take_or(
-                    Parameter::GuardAllowance,
-                    guard.allowance_j,
-                    GUARD_ALLOWANCE,
-                ),
-            )
-        });
+        let (loop_params, model_device_mass) = raw.renderer.read(period, &mut places);
         let scene = Scene {
             title: raw.title,
             contact,
-            loop_params: LoopParams {
-                guard,
-                ..loop_params
-            },
+            loop_params,
             object: ObjectState {
                 position: places.take(Parameter::ObjectPosition, object.position_m),
                 velocity: places.take_or(Parameter::ObjectVelocity, object.velocity_m_per_s, 0.0),
@@ -413,6 +338,59 @@ impl Reading<'_> {
             places: places.0,
             methods,
         }
+    }
+
+    /// Returns what `[measure]` gives; a substitute for neither or both of its keys.
+    fn measure(
+        &mut self,
+        raw: Spanned<RawMeasure>,
+        places: &mut Places<SceneParameter>,
+    ) -> Measure {
+        let measure_span = raw.span();
+        let measure = raw.into_inner();
+        match (measure.collisions, measure.duration_s) {
+            (Some(count), None) => Measure::Collisions(places.take(Of::Collisions, count)),
+            (None, Some(duration)) => Measure::Duration(places.take(Of::Duration, duration)),
+            _ => {
+                let message = "[measure] needs either collisions or duration_s";
+                self.in_table("measure", (measure_span, message.into()));
+                Measure::Collisions(1)
+            }
+        }
+    }
+
+    /// Returns the method of that name; the default for none or an unknown one.
+    fn method(&mut self, given: Option<&Spanned<String>>) -> MethodName {
+        let mut method = MethodName::default();
+        if let Some(given) = given {
+            match method_named(given.get_ref()) {
+                Ok(named) => method = named,
+                Err(error) => self.fault((given.span(), error.to_string())),
+            }
+        }
+        method
+    }
+
+    /// Returns the device with its hand.
+    fn held_device(
+        &mut self,
+        device: RawDevice,
+        hand: RawHand,
+        places: &mut Places<SceneParameter>,
+        files: Files<'_>,
+    ) -> SceneDevice {
+        let before = self.faults.len();
+        let mut device = self.device(device, places, files);
+        let is_that_device = self.faults.len() == before && !self.damaged.contains("device");
+        let hand = hand.read(places, files);
+        let hand = self.or("hand", hand, ReadHand::default());
+        for fault in hand.hold(&mut device) {
+            // The substitute of a faulty device may be of another kind.
+            if is_that_device {
+                self.in_table("hand", fault);
+            }
+        }
+        device
     }
 
     /// Settings of the methods that the file names, and where it does.

@@ -85,95 +85,32 @@ impl RawHand {
     /// Returns the hand, or the span of a key that is invalid for its kind, lacks a required key, or names a file
     /// without a motion.
     pub fn read(
-        self,
+        mut self,
         places: &mut Places<SceneParameter>,
         files: Files<'_>,
     ) -> Result<ReadHand, Fault> {
-        let kind_span = self.kind.as_ref().map(Spanned::span);
-        let kind = self.kind.map(Spanned::into_inner).unwrap_or_default();
-        let of_a_point_mass = [
-            (
-                kind_span.filter(|_| matches!(kind, HandKind::Impedance)),
-                "kind = \"impedance\"",
-            ),
-            (self.tremor_n.as_ref().map(Spanned::span), "a tremor"),
-            (self.release_s.as_ref().map(Spanned::span), "release_s"),
-        ]
-        .into_iter()
-        .filter_map(|(span, what)| Some((span?, what)))
-        .collect();
+        let of_a_point_mass = self.of_a_point_mass();
         let in_the_motors = self.force_at.as_ref();
         let in_the_motors = in_the_motors.filter(|at| *at.get_ref() == HandForceAt::Motors);
         let in_the_motors = in_the_motors.map(Spanned::span);
         let tremor = wave(
             places,
             [SceneParameter::Tremor, SceneParameter::TremorFrequency],
-            [self.tremor_n, self.tremor_hz],
+            [self.tremor_n.take(), self.tremor_hz.take()],
             "a tremor needs both tremor_n and tremor_hz",
         )?;
-        let force = places.take_or(SceneParameter::HandForce, self.force_n, 0.0);
-        let force_at = self.force_at.map(Spanned::into_inner).unwrap_or_default();
-        let release = self
-            .release_s
-            .map(|release| places.take(SceneParameter::Release, release));
-        let grip = match kind {
+        let force = places.take_or(SceneParameter::HandForce, self.force_n.take(), 0.0);
+        let force_at = self.force_at.take();
+        let force_at = force_at.map(Spanned::into_inner).unwrap_or_default();
+        let release = self.release_s.take();
+        let release = release.map(|release| places.take(SceneParameter::Release, release));
+        let kind = self.kind.take();
+        let grip = match kind.map(Spanned::into_inner).unwrap_or_default() {
             HandKind::ConstantForce => {
-                let of_a_grip = [
-                    self.mass_kg,
-                    self.stiffness_n_per_m,
-                    self.damping_n_s_per_m,
-                    self.position_m,
-                    self.swing_m,
-                    self.swing_hz,
-                ];
-                let numbers = of_a_grip.into_iter().flatten().map(|key| key.span());
-                let intention = self.intention.map(|key| key.span());
-                if let Some(span) = numbers.chain(intention).min_by_key(|span| span.start) {
-                    let message = "a hand of kind constant-force does not use this; \
-                                   kind = \"impedance\" does";
-                    return Err((span, message.into()));
-                }
+                self.refuse_grip()?;
                 None
             }
-            HandKind::Impedance => {
-                let beside_recording = [&self.position_m, &self.swing_m, &self.swing_hz];
-                if let (Some(_), Some(key)) = (
-                    &self.intention,
-                    beside_recording.into_iter().flatten().next(),
-                ) {
-                    let message = "the recorded intention already sets the position of the hand";
-                    return Err((key.span(), message.into()));
-                }
-                Some(Grip {
-                    mass: places.take_or(SceneParameter::HandMass, self.mass_kg, 0.0),
-                    stiffness: places.take_or(
-                        SceneParameter::HandStiffness,
-                        self.stiffness_n_per_m,
-                        0.0,
-                    ),
-                    damping: places.take_or(
-                        SceneParameter::HandDamping,
-                        self.damping_n_s_per_m,
-                        0.0,
-                    ),
-                    intention: match self.intention {
-                        Some(name) => Intention::Recorded(recorded(&name, files)?),
-                        None => Intention::Place {
-                            position: places.take_or(
-                                SceneParameter::HandPosition,
-                                self.position_m,
-                                0.0,
-                            ),
-                            swing: wave(
-                                places,
-                                [SceneParameter::Swing, SceneParameter::SwingFrequency],
-                                [self.swing_m, self.swing_hz],
-                                "a swing needs both swing_m and swing_hz",
-                            )?,
-                        },
-                    },
-                })
-            }
+            HandKind::Impedance => Some(self.grip(places, files)?),
         };
         Ok(ReadHand {
             hand: Hand {
@@ -185,6 +122,69 @@ impl RawHand {
             force_at,
             of_a_point_mass,
             in_the_motors,
+        })
+    }
+
+    /// Returns the spans of the keys that are valid only for a point mass's hand, each with its error.
+    fn of_a_point_mass(&self) -> Vec<(Range<usize>, &'static str)> {
+        let kind = self.kind.as_ref();
+        let impedance = kind.filter(|kind| matches!(kind.get_ref(), HandKind::Impedance));
+        [
+            (impedance.map(Spanned::span), "kind = \"impedance\""),
+            (self.tremor_n.as_ref().map(Spanned::span), "a tremor"),
+            (self.release_s.as_ref().map(Spanned::span), "release_s"),
+        ]
+        .into_iter()
+        .filter_map(|(span, what)| Some((span?, what)))
+        .collect()
+    }
+
+    /// Rejects the first key of a grip, which a constant force lacks.
+    fn refuse_grip(self) -> Result<(), Fault> {
+        let of_a_grip = [
+            self.mass_kg,
+            self.stiffness_n_per_m,
+            self.damping_n_s_per_m,
+            self.position_m,
+            self.swing_m,
+            self.swing_hz,
+        ];
+        let numbers = of_a_grip.into_iter().flatten().map(|key| key.span());
+        let intention = self.intention.map(|key| key.span());
+        if let Some(span) = numbers.chain(intention).min_by_key(|span| span.start) {
+            let message = "a hand of kind constant-force does not use this; \
+                           kind = \"impedance\" does";
+            return Err((span, message.into()));
+        }
+        Ok(())
+    }
+
+    /// Returns the grip of an impedance, or the span of a key that its intention excludes or lacks.
+    fn grip(self, places: &mut Places<SceneParameter>, files: Files<'_>) -> Result<Grip, Fault> {
+        let beside_recording = [&self.position_m, &self.swing_m, &self.swing_hz];
+        if let (Some(_), Some(key)) = (
+            &self.intention,
+            beside_recording.into_iter().flatten().next(),
+        ) {
+            let message = "the recorded intention already sets the position of the hand";
+            return Err((key.span(), message.into()));
+        }
+        Ok(Grip {
+            mass: places.take_or(SceneParameter::HandMass, self.mass_kg, 0.0),
+            stiffness: places.take_or(SceneParameter::HandStiffness, self.stiffness_n_per_m, 0.0),
+            damping: places.take_or(SceneParameter::HandDamping, self.damping_n_s_per_m, 0.0),
+            intention: match self.intention {
+                Some(name) => Intention::Recorded(recorded(&name, files)?),
+                None => Intention::Place {
+                    position: places.take_or(SceneParameter::HandPosition, self.position_m, 0.0),
+                    swing: wave(
+                        places,
+                        [SceneParameter::Swing, SceneParameter::SwingFrequency],
+                        [self.swing_m, self.swing_hz],
+                        "a swing needs both swing_m and swing_hz",
+                    )?,
+                },
+            },
         })
     }
 }

@@ -24,6 +24,7 @@ pub mod named_parameters;
 mod parameter;
 mod period;
 mod recover;
+mod renderer_key;
 mod timing;
 mod toml_reader;
 pub mod world;

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use palpate_core::{Contact, Guard, LoopParams, Mass, ParameterValue, Side};
+use palpate_core::{Contact, Guard, LoopParams, Mass, ObjectState, ParameterValue, Side};
+use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::pantograph::SafetyBox;
 
 use super::{
@@ -40,84 +41,16 @@ impl Scene {
             method,
             settings,
         } = self;
-        let Contact {
-            stiffness,
-            object_mass,
-            side,
-            unilateral,
-        } = *contact;
-        let LoopParams {
-            period,
-            largest_gap,
-            speed_limit,
-            force_limit,
-            slew_limit,
-            // In a scene: `delay`, `timing`, `actuator` and `model`.
-            actuation: _,
-            guard,
-        } = *loop_params;
         let mut file = File::default();
         file.line("scene_format", "1");
         file.line("title", &toml::Value::from(title.as_str()).to_string());
-
-        file.table("object");
-        file.number(
-            "mass_kg",
-            match object_mass {
-                Mass::Finite(mass) => mass,
-                Mass::Infinite => f64::INFINITY,
-            },
-        );
-        file.number("stiffness_n_per_m", stiffness);
-        file.number("position_m", object.position);
-        file.unless_zero("velocity_m_per_s", object.velocity);
-        file.unless_zero("radius_m", *object_radius);
-        file.unless_zero("force_n", *virtual_force);
-        if side == Side::Negative {
-            file.line("side", "\"negative\"");
-        }
-
-        match device {
-            SceneDevice::PointMass(device) => {
-                file.table("device");
-                file.point_mass(device);
-                file.table("hand");
-                file.hand(&device.hand)?;
-            }
-            SceneDevice::Pantograph(device) => file.pantograph(device)?,
-            SceneDevice::Recorded { .. } => {
-                return Err(Unwritable("the motion of a recorded hand"));
-            }
-        }
-
-        file.table("loop");
-        file.number("period_s", period);
-        file.delay(*delay);
-        file.timing(timing);
-        file.unless_zero("lag_s", actuator.lag);
-        if actuator.gain != 1.0 {
-            file.number("gain", actuator.gain);
-        }
+        file.object_table(*contact, *object, *object_radius, *virtual_force);
+        file.device_tables(device)?;
+        file.loop_table(loop_params.period, *delay, timing, *actuator);
         file.model(model);
-
-        file.table("measure");
-        match measure {
-            Measure::Collisions(count) => file.line("collisions", &count.to_string()),
-            Measure::Duration(duration) => file.number("duration_s", *duration),
-        }
-
-        file.table("renderer");
-        file.line("method", &format!("\"{method}\""));
-        file.if_given("device_mass_kg", *model_device_mass);
-        if unilateral {
-            file.line("unilateral", "true");
-        }
-        file.if_given("force_limit_n", force_limit);
-        file.if_given("slew_limit_n_per_s", slew_limit);
-        file.if_given("speed_limit_m_per_s", speed_limit);
-        file.if_given("largest_gap_s", largest_gap);
-        file.guard(guard);
-
+        file.measure_table(measure);
+        let unilateral = contact.unilateral;
+        file.renderer_table(*method, *model_device_mass, unilateral, *loop_params);
         for method in MethodName::ALL {
             if let Some(settings) = settings.get(&method) {
                 file.table(&format!("methods.{method}"));
@@ -132,6 +65,110 @@ impl Scene {
 #[derive(Default)]
 struct File(String);
 
+/// Tables of a scene.
+impl File {
+    /// Writes `[object]`, with its radius `[m]` and the virtual force on it `[N]`.
+    fn object_table(
+        &mut self,
+        contact: Contact<f64>,
+        object: ObjectState<f64>,
+        radius: f64,
+        force: f64,
+    ) {
+        let Contact {
+            stiffness,
+            object_mass,
+            side,
+            // In `[renderer]`.
+            unilateral: _,
+        } = contact;
+        self.table("object");
+        self.number(
+            "mass_kg",
+            match object_mass {
+                Mass::Finite(mass) => mass,
+                Mass::Infinite => f64::INFINITY,
+            },
+        );
+        self.number("stiffness_n_per_m", stiffness);
+        self.number("position_m", object.position);
+        self.unless_zero("velocity_m_per_s", object.velocity);
+        self.unless_zero("radius_m", radius);
+        self.unless_zero("force_n", force);
+        if side == Side::Negative {
+            self.line("side", "\"negative\"");
+        }
+    }
+
+    /// Writes `[device]` and `[hand]`.
+    fn device_tables(&mut self, device: &SceneDevice) -> Result<(), Unwritable> {
+        match device {
+            SceneDevice::PointMass(device) => {
+                self.table("device");
+                self.point_mass(device);
+                self.table("hand");
+                self.hand(&device.hand)
+            }
+            SceneDevice::Pantograph(device) => self.pantograph(device),
+            SceneDevice::Recorded { .. } => Err(Unwritable("the motion of a recorded hand")),
+        }
+    }
+
+    /// Writes `[loop]`, with its period `[s]`.
+    fn loop_table(&mut self, period: f64, delay: Delay, timing: &Timing, actuator: ActuatorParams) {
+        self.table("loop");
+        self.number("period_s", period);
+        self.delay(delay);
+        self.timing(timing);
+        self.unless_zero("lag_s", actuator.lag);
+        if actuator.gain != 1.0 {
+            self.number("gain", actuator.gain);
+        }
+    }
+
+    /// Writes `[measure]`.
+    fn measure_table(&mut self, measure: &Measure) {
+        self.table("measure");
+        match measure {
+            Measure::Collisions(count) => self.line("collisions", &count.to_string()),
+            Measure::Duration(duration) => self.number("duration_s", *duration),
+        }
+    }
+
+    /// Writes `[renderer]`, with the device mass that it assumes `[kg]`.
+    fn renderer_table(
+        &mut self,
+        method: MethodName,
+        device_mass: Option<f64>,
+        unilateral: bool,
+        loop_params: LoopParams<f64>,
+    ) {
+        let LoopParams {
+            // In `[loop]`.
+            period: _,
+            largest_gap,
+            speed_limit,
+            force_limit,
+            slew_limit,
+            // In a scene: `delay`, `timing`, `actuator` and `model`.
+            actuation: _,
+            guard,
+        } = loop_params;
+        self.table("renderer");
+        self.line("method", &format!("\"{method}\""));
+        self.if_given("device_mass_kg", device_mass);
+        if unilateral {
+            self.line("unilateral", "true");
+        }
+        self.if_given("force_limit_n", force_limit);
+        self.if_given("slew_limit_n_per_s", slew_limit);
+        self.if_given("speed_limit_m_per_s", speed_limit);
+        self.if_given("largest_gap_s", largest_gap);
+        self.guard(guard);
+    }
+}
+
+/// Parts of tables.
 impl File {
     fn table(&mut self, name: &str) {
         self.line_of(format_args!("\n[{name}]"));

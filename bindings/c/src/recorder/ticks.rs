@@ -97,24 +97,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
         let recorder = unsafe { recorder.as_mut() }.ok_or(Refusal::Null("recorder"))?;
         // SAFETY: NULL, or a world that is not modified during this call.
         let world = unsafe { world.as_ref() }.ok_or(Refusal::Null("world"))?;
-        let Of::World {
-            world: made_of,
-            device,
-            changes,
-            ..
-        } = recorder.of
-        else {
-            return Err(other("a contact", "a world"));
-        };
-        if made_of != world.identity {
-            return Err(other("a world", "another one"));
-        }
-        if changes != world.changes {
-            return Err(Refusal::Recording(
-                "the bodies of the world have changed since the recorder was made: close it and make another recorder"
-                    .into(),
-            ));
-        }
+        let device = recorded_device(recorder, world)?;
         let devices = world.devices.len();
         // SAFETY: guaranteed by the caller.
         let (sample, poses) = unsafe { WorldSample::at(sample, devices) }?;
@@ -141,16 +124,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
             return Ok(());
         };
         rows.fill(sequence, state);
-        let is = |limits: u32| output.limited & limits != 0;
-        let flags = Flags::default()
-            .with(Flags::CONTACT, !rows.contacts().is_empty())
-            .with(Flags::LIMITED_FORCE, is(Limit::Force as u32))
-            .with(
-                Flags::SAFETY_LIMITED,
-                is(Limit::Slew as u32 | Limit::SoftStart as u32),
-            )
-            .with(Flags::SAFETY_STOPPED, is(Limit::Stopped as u32))
-            .with(Flags::FAULT, output.fault != Fault::None as u32);
+        let flags = output.flags(!rows.contacts().is_empty());
         // After an argument error no tick was executed, and the world still holds the wrenches of the previous tick.
         let has_been = output.fault != Fault::Argument as u32;
         let given = world.bounded.wrenches().get(device);
@@ -178,6 +152,29 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
         recorder.ran();
         Ok(())
     })
+}
+
+/// Returns the index of the recorded device, or rejects a world that is not as the recorder was made for.
+fn recorded_device(recorder: &Recorder, world: &World) -> Result<usize, Refusal<'static>> {
+    let Of::World {
+        world: made_of,
+        device,
+        changes,
+        ..
+    } = recorder.of
+    else {
+        return Err(other("a contact", "a world"));
+    };
+    if made_of != world.identity {
+        return Err(other("a world", "another one"));
+    }
+    if changes != world.changes {
+        return Err(Refusal::Recording(
+            "the bodies of the world have changed since the recorder was made: close it and make another recorder"
+                .into(),
+        ));
+    }
+    Ok(device)
 }
 
 /// A palpate_output read from C, where an enum field may have any value.
@@ -258,4 +255,20 @@ struct WorldAnswer {
 // SAFETY: `repr(C)`, a `usize` first, numbers only.
 unsafe impl SizedStruct for WorldAnswer {
     const NAME: &'static str = WorldOutput::NAME;
+}
+
+impl WorldAnswer {
+    /// Returns the flags of a tick.
+    fn flags(&self, is_in_contact: bool) -> Flags {
+        let is = |limits: u32| self.limited & limits != 0;
+        Flags::default()
+            .with(Flags::CONTACT, is_in_contact)
+            .with(Flags::LIMITED_FORCE, is(Limit::Force as u32))
+            .with(
+                Flags::SAFETY_LIMITED,
+                is(Limit::Slew as u32 | Limit::SoftStart as u32),
+            )
+            .with(Flags::SAFETY_STOPPED, is(Limit::Stopped as u32))
+            .with(Flags::FAULT, self.fault != Fault::None as u32)
+    }
 }

@@ -145,7 +145,7 @@ class Loop(Fixed, _palpate.Loop):
         largest_speed: Device speed above which a safety stop switches the motors off [m/s].
         range: Allowed positions of the device along the contact's axis, from and to [m]; `None`: any. Not for a world.
         oscillation: Energy generated within 0.2 s that counts as oscillation [J]; `math.inf`: no check.
-        stall_after: Periods from tick to tick after which a supervisor commands zero force; `None`: 1.5, or a period
+        stall_after_periods: Periods from tick to tick after which a supervisor commands zero force; `None`: 1.5, or a period
             and 3 ms if that is longer.
         priority: Requested priority under SCHED_FIFO, 1 to 98; 0: none.
         lock_memory: Whether to lock the memory of the whole process in RAM.
@@ -187,7 +187,7 @@ class Loop(Fixed, _palpate.Loop):
         largest_speed: float = 5.0,
         range: tuple[float, float] | None = None,
         oscillation: float = 0.05,
-        stall_after: float | None = None,
+        stall_after_periods: float | None = None,
         priority: int = 80,
         lock_memory: bool = False,
         processor: int | None = None,
@@ -198,7 +198,7 @@ class Loop(Fixed, _palpate.Loop):
             "largest_speed": largest_speed,
             "range": None if range is None else tuple(row("range", range)),
             "oscillation": oscillation,
-            "stall_after": stall_after,
+            "stall_after_periods": stall_after_periods,
             "priority": priority,
             "lock_memory": lock_memory,
             "processor": processor,

@@ -21,7 +21,7 @@ pub struct Options {
     largest_speed: f64,
     range: Option<[f64; 2]>,
     oscillation: f64,
-    stall_after: Option<f64>,
+    stall_after_periods: Option<f64>,
     priority: u8,
     lock_memory: bool,
     processor: Option<usize>,
@@ -53,7 +53,7 @@ impl Options {
 
     /// Returns `limits` with the requested stall limit.
     pub fn patient(&self, limits: SafetyParams) -> SafetyParams {
-        match self.stall_after {
+        match self.stall_after_periods {
             // Exactly these periods, without the tolerated lateness.
             Some(periods) => SafetyParams {
                 stall_after_periods: periods,

@@ -3,6 +3,7 @@
 use std::slice;
 use std::time::Duration;
 
+use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_record::recording::RecordingMetadata;
 use palpate_rt::safety::SafetyParams;
@@ -124,6 +125,54 @@ pub fn prepare_world(
             counted(scene.devices.len())
         )));
     }
+    let OpenedDevices { driven, beside, on } =
+        open_devices(py, devices, world, clock, options, (period, silence))?;
+    let rendered = in_world::rendered(world, &on)?;
+    let (worlds, rendered) = changing_world(scene.world.clone(), rendered);
+    let control = ControlLoop::of_changing_devices(driven, clock, rendered);
+    let control = control.map_err(refused)?;
+    let metadata = metadata_of_devices(VERSION, &on, &options.request());
+    let are_several = on.len() > 1;
+    let most = on.iter().map(|on| on.limits.largest_force);
+    Ok(Prepared {
+        control: Control::World(Box::new(control)),
+        period: seconds,
+        devices: beside,
+        metadata: metadata
+            .with("world", world.text())
+            .with("method", &format!("name = \"{}\"\n", world.method)),
+        names: on
+            .iter()
+            .filter(|_| are_several)
+            .map(|on| on.name.clone())
+            .collect(),
+        runs_on: devices_in_words(&on),
+        largest_force: most.fold(0.0, f64::max),
+        in_world: Some(InWorld { worlds, on }),
+        low_rate_simulator: None,
+    })
+}
+
+/// Open devices of a world, in its order.
+struct OpenedDevices {
+    /// The devices, with their limits.
+    driven: Vec<(Box<dyn Device>, SafetyParams)>,
+    /// Handles of each device outside the loop.
+    beside: Vec<Beside>,
+    /// Names, capabilities, limits and frames of the devices.
+    on: Vec<OnDevice>,
+}
+
+/// Opens one device for each of the world's devices, for a loop of `period` with at most `silence` between commands.
+fn open_devices(
+    py: Python<'_>,
+    devices: &[Bound<'_, PyDict>],
+    world: &PyWorld,
+    clock: MonotonicClock,
+    options: &Options,
+    (period, silence): (Duration, Duration),
+) -> PyResult<OpenedDevices> {
+    let scene = world.scene();
     let (mut driven, mut beside, mut on) = (Vec::new(), Vec::new(), Vec::<OnDevice>::new());
     let mut identities = Vec::<Option<String>>::new();
     let own = scene.world.tools.iter().zip(&scene.devices);
@@ -158,11 +207,11 @@ pub fn prepare_world(
             frame,
         });
     }
-    let rendered = in_world::rendered(world, &on)?;
-    let (worlds, rendered) = changing_world(scene.world.clone(), rendered);
-    let control = ControlLoop::of_changing_devices(driven, clock, rendered);
-    let control = control.map_err(refused)?;
-    let metadata = metadata_of_devices(VERSION, &on, &options.request());
+    Ok(OpenedDevices { driven, beside, on })
+}
+
+/// Describes the devices; several by their names.
+fn devices_in_words(on: &[OnDevice]) -> String {
     let are_several = on.len() > 1;
     let runs_on = on.iter().map(|on| {
         let kind = &on.capabilities.name;
@@ -172,24 +221,7 @@ pub fn prepare_world(
             kind.clone()
         }
     });
-    let most = on.iter().map(|on| on.limits.largest_force);
-    Ok(Prepared {
-        control: Control::World(Box::new(control)),
-        period: seconds,
-        devices: beside,
-        metadata: metadata
-            .with("world", world.text())
-            .with("method", &format!("name = \"{}\"\n", world.method)),
-        names: on
-            .iter()
-            .filter(|_| are_several)
-            .map(|on| on.name.clone())
-            .collect(),
-        runs_on: runs_on.collect::<Vec<_>>().join(", "),
-        largest_force: most.fold(0.0, f64::max),
-        in_world: Some(InWorld { worlds, on }),
-        low_rate_simulator: None,
-    })
+    runs_on.collect::<Vec<_>>().join(", ")
 }
 
 /// Prepares a loop of a low-rate simulator's local model on one device.

@@ -4,6 +4,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum, ValueHint};
+use palpate_record::files::outputs::Outputs;
 use palpate_record::recording::Recording;
 
 use crate::arguments::Overwriting;
@@ -71,81 +72,122 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
             path.display()
         )));
     }
-    let events = (recording.events > 0 && out != Path::new(STANDARD_OUTPUT))
-        .then(|| table_beside(&out, "events"));
-    if let Some(events) = &events {
-        outputs.plan("the table of events", events)?;
-    }
-    let bodies = (recording.has_bodies && out != Path::new(STANDARD_OUTPUT))
-        .then(|| table_beside(&out, "bodies"));
-    if let Some(bodies) = &bodies {
-        outputs.plan("the table of bodies", bodies)?;
-    }
-    let devices = (recording.devices > 1 && out != Path::new(STANDARD_OUTPUT))
-        .then(|| table_beside(&out, "devices"));
-    if let Some(devices) = &devices {
-        outputs.plan("the table of devices", devices)?;
-    }
+    let tables = OtherTables::plan(&recording, &out, &mut outputs)?;
     let mut wrote = String::new();
     if out == Path::new(STANDARD_OUTPUT) {
         drop(progress);
-        let mut output = BufWriter::new(io::stdout().lock());
-        let written = write(&recording, arguments.to, &mut output).and_then(|()| output.flush());
-        match written {
-            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-                return Err(Failure::System(format!("standard output: {error}")));
-            }
-            _ => {}
-        }
-        if recording.has_bodies {
-            crate::failure::tell(format_args!(
-                "{}: world bodies omitted; with --out FILE, a file beside it contains them",
-                path.display()
-            ));
-        }
-        if recording.devices > 1 {
-            crate::failure::tell(format_args!(
-                "{}: values of each of {} devices omitted; with --out FILE, a file beside it contains them",
-                path.display(),
-                recording.devices
-            ));
-        }
-        if recording.events > 0 {
-            crate::failure::tell(format_args!(
-                "{}: {} omitted; with --out FILE, a file beside it contains them",
-                path.display(),
-                counted(recording.events, "event")
-            ));
-        }
+        write_to_standard_output(&recording, arguments.to, path)?;
     } else {
         progress.begin(&format!("writing {}", out.display()));
-        outputs.write(&out, |writer| write(&recording, arguments.to, writer))?;
-        wrote += &format!(
-            "wrote {}: {}\n",
-            out.display(),
-            counted(recording.ticks, "tick")
-        );
-        if let Some(events) = &events {
-            outputs.write(events, |writer| recording.write_events_csv(writer))?;
-            let count = counted(recording.events, "event");
-            wrote += &format!("wrote {}: {count}\n", events.display());
-        }
-        if let Some(bodies) = &bodies {
-            outputs.write(bodies, |writer| recording.write_bodies_csv(writer))?;
-            wrote += &format!("wrote {}: the bodies of each tick\n", bodies.display());
-        }
-        if let Some(devices) = &devices {
-            outputs.write(devices, |writer| recording.write_devices_csv(writer))?;
-            let count = recording.devices;
-            wrote += &format!(
-                "wrote {}: {count} devices of each tick\n",
-                devices.display()
-            );
-        }
+        wrote += &write_tables(&recording, arguments.to, &out, &tables, &outputs)?;
         drop(progress);
     }
     print(&wrote)?;
     whole_or_said(&recording)
+}
+
+/// Tables beside that of the ticks; `None` if one is not written.
+struct OtherTables {
+    /// Table of events.
+    events: Option<PathBuf>,
+    /// Table of bodies.
+    bodies: Option<PathBuf>,
+    /// Table of devices.
+    devices: Option<PathBuf>,
+}
+
+impl OtherTables {
+    /// Plans the tables of the recording beside that of the ticks at `out`.
+    fn plan(recording: &Recording, out: &Path, outputs: &mut Outputs) -> Result<Self, Failure> {
+        let events = (recording.events > 0 && out != Path::new(STANDARD_OUTPUT))
+            .then(|| table_beside(out, "events"));
+        if let Some(events) = &events {
+            outputs.plan("the table of events", events)?;
+        }
+        let bodies = (recording.has_bodies && out != Path::new(STANDARD_OUTPUT))
+            .then(|| table_beside(out, "bodies"));
+        if let Some(bodies) = &bodies {
+            outputs.plan("the table of bodies", bodies)?;
+        }
+        let devices = (recording.devices > 1 && out != Path::new(STANDARD_OUTPUT))
+            .then(|| table_beside(out, "devices"));
+        if let Some(devices) = &devices {
+            outputs.plan("the table of devices", devices)?;
+        }
+        Ok(Self {
+            events,
+            bodies,
+            devices,
+        })
+    }
+}
+
+/// Writes the ticks to standard output, and names the omitted tables of the recording at `path`.
+fn write_to_standard_output(recording: &Recording, to: Format, path: &Path) -> Result<(), Failure> {
+    let mut output = BufWriter::new(io::stdout().lock());
+    let written = write(recording, to, &mut output).and_then(|()| output.flush());
+    match written {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            return Err(Failure::System(format!("standard output: {error}")));
+        }
+        _ => {}
+    }
+    if recording.has_bodies {
+        crate::failure::tell(format_args!(
+            "{}: world bodies omitted; with --out FILE, a file beside it contains them",
+            path.display()
+        ));
+    }
+    if recording.devices > 1 {
+        crate::failure::tell(format_args!(
+            "{}: values of each of {} devices omitted; with --out FILE, a file beside it contains them",
+            path.display(),
+            recording.devices
+        ));
+    }
+    if recording.events > 0 {
+        crate::failure::tell(format_args!(
+            "{}: {} omitted; with --out FILE, a file beside it contains them",
+            path.display(),
+            counted(recording.events, "event")
+        ));
+    }
+    Ok(())
+}
+
+/// Writes the tables of ticks, events, bodies and devices, and returns the messages about them.
+fn write_tables(
+    recording: &Recording,
+    to: Format,
+    out: &Path,
+    tables: &OtherTables,
+    outputs: &Outputs,
+) -> Result<String, Failure> {
+    let mut wrote = String::new();
+    outputs.write(out, |writer| write(recording, to, writer))?;
+    wrote += &format!(
+        "wrote {}: {}\n",
+        out.display(),
+        counted(recording.ticks, "tick")
+    );
+    if let Some(events) = &tables.events {
+        outputs.write(events, |writer| recording.write_events_csv(writer))?;
+        let count = counted(recording.events, "event");
+        wrote += &format!("wrote {}: {count}\n", events.display());
+    }
+    if let Some(bodies) = &tables.bodies {
+        outputs.write(bodies, |writer| recording.write_bodies_csv(writer))?;
+        wrote += &format!("wrote {}: the bodies of each tick\n", bodies.display());
+    }
+    if let Some(devices) = &tables.devices {
+        outputs.write(devices, |writer| recording.write_devices_csv(writer))?;
+        let count = recording.devices;
+        wrote += &format!(
+            "wrote {}: {count} devices of each tick\n",
+            devices.display()
+        );
+    }
+    Ok(wrote)
 }
 
 fn write(recording: &Recording, to: Format, out: &mut dyn Write) -> io::Result<()> {

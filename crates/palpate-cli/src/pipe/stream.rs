@@ -2,11 +2,11 @@
 
 use std::io::{self, Write};
 
-use palpate_core::Fault;
+use palpate_core::{Fault, Output};
 use palpate_device::Wrench;
 use palpate_record::recording::{self, ContactTick, Tick};
 use palpate_record::unit::HandMotion;
-use palpate_rt::safety::{self, Safety, SafetyStop};
+use palpate_rt::safety::{self, Safety, SafetyStop, Verdict};
 use palpate_rt::{CHANGE_DURATION, Rendered, answered};
 
 use crate::pipe::change::{Change, Changeable};
@@ -112,16 +112,7 @@ impl Stream {
         if is_used {
             self.follow(number, position, elapsed.unwrap_or(period))?;
         }
-        let verdict = self.safety.evaluate(&safety::Rendered {
-            elapsed,
-            // A position that the renderer rejected is not checked.
-            position: [if is_used { position } else { 0.0 }, 0.0, 0.0],
-            coordinate: if is_used { position } else { 0.0 },
-            wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
-            created_energy: self.rendered.ledger().held_leak.accumulated,
-            refused: !is_used,
-            stalled: false,
-        });
+        let verdict = self.limit(&output, position, elapsed);
         output.limited.force |= verdict.bounded.force;
         output.limited.slew |= verdict.bounded.slew;
         let [force, ..] = verdict.wrench.force;
@@ -142,27 +133,7 @@ impl Stream {
         if let Some(why) = unread.or_else(|| output.fault.map(|fault| fault.to_string())) {
             self.tell_refused(number, &why);
         }
-        self.summary.samples += 1;
-        self.summary.limited += u64::from(output.limited.any());
-        self.summary.softened += u64::from(verdict.bounded.soft_start);
-        if let Some(safety_stop) = verdict
-            .stopped
-            .filter(|safety_stop| !safety_stop.is_passing())
-        {
-            self.summary.safety_stop = Some(safety_stop.name());
-            self.tell(format_args!(
-                "line {number}: {}",
-                stop_in_words(self.safety.params(), safety_stop)
-            ));
-        }
-        if output.limited.force && !self.memory.is_limited {
-            self.memory.is_limited = true;
-            let limit = self.safety.params().largest_force;
-            self.tell(format_args!(
-                "line {number}: the contact force exceeds the limit of {limit} N; further limited forces are only \
-                 counted in the summary"
-            ));
-        }
+        self.report_limits(number, &output, &verdict);
         Ok(Answer {
             values: recording::Row {
                 tick: Tick {
@@ -185,6 +156,46 @@ impl Stream {
             fault,
             ended: false,
         })
+    }
+
+    /// Limits the force of a renderer's output at `position` `[m]`, `elapsed` `[s]` after the last line.
+    fn limit(&mut self, output: &Output<f64>, position: f64, elapsed: Option<f64>) -> Verdict {
+        let is_used = output.fault.is_none();
+        self.safety.evaluate(&safety::Rendered {
+            elapsed,
+            // A position that the renderer rejected is not checked.
+            position: [if is_used { position } else { 0.0 }, 0.0, 0.0],
+            coordinate: if is_used { position } else { 0.0 },
+            wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
+            created_energy: self.rendered.ledger().held_leak.accumulated,
+            refused: !is_used,
+            stalled: false,
+        })
+    }
+
+    /// Counts a sample with its active limits, and reports a safety stop and the first limited force.
+    fn report_limits(&mut self, number: u64, output: &Output<f64>, verdict: &Verdict) {
+        self.summary.samples += 1;
+        self.summary.limited += u64::from(output.limited.any());
+        self.summary.softened += u64::from(verdict.bounded.soft_start);
+        if let Some(safety_stop) = verdict
+            .stopped
+            .filter(|safety_stop| !safety_stop.is_passing())
+        {
+            self.summary.safety_stop = Some(safety_stop.name());
+            self.tell(format_args!(
+                "line {number}: {}",
+                stop_in_words(self.safety.params(), safety_stop)
+            ));
+        }
+        if output.limited.force && !self.memory.is_limited {
+            self.memory.is_limited = true;
+            let limit = self.safety.params().largest_force;
+            self.tell(format_args!(
+                "line {number}: the contact force exceeds the limit of {limit} N; further limited forces are only \
+                 counted in the summary"
+            ));
+        }
     }
 
     /// Rejects an implausible motion, unless a flag set the unit.

@@ -34,7 +34,7 @@ fn folder() -> Folder {
 fn run(emulator: &Emulator, rest: &str) -> String {
     format!(
         "run wall.toml --device inverse3 --service {} --normal 0,0,1 --method basic --priority 0 \
-         --service-priority 0 --stall-after 50 --json {rest}",
+         --service-priority 0 --stall-after-periods 50 --json {rest}",
         emulator.url()
     )
 }
@@ -193,7 +193,7 @@ fn a_period_that_is_no_time_is_refused() {
 fn live(emulator: &Emulator, rest: &str) -> String {
     format!(
         "live --device inverse3 --service {} --normal 0,0,1 --priority 0 --service-priority 0 \
-         --stall-after 50 --listen 127.0.0.1:0 {rest}",
+         --stall-after-periods 50 --listen 127.0.0.1:0 {rest}",
         emulator.url()
     )
 }

@@ -15,7 +15,7 @@ use palpate_record::recording::Recording;
 fn it_says_where_the_page_is_and_ends_with_a_report() {
     let folder = Folder::new();
     // This test is not about a busy machine; a safety stop for a late tick has a separate exit code.
-    let live = "live --listen 127.0.0.1:0 --priority 0 --stall-after 1000";
+    let live = "live --listen 127.0.0.1:0 --priority 0 --stall-after-periods 1000";
     let mut child = Running::start(program(&folder, live).stdout(Stdio::piped()));
     let mut out = BufReader::new(child.stdout.take().unwrap());
     let mut url = String::new();

@@ -191,7 +191,7 @@ fn a_device_that_is_not_named_as_it_must_be_is_refused() {
 fn a_page_has_several_devices_each_by_its_name() {
     let folder = folder();
     let live =
-        "live pinch.toml --listen 127.0.0.1:0 --duration 0.2 --stall-after 1000 --priority 0";
+        "live pinch.toml --listen 127.0.0.1:0 --duration 0.2 --stall-after-periods 1000 --priority 0";
     // 5 if a busy machine kept the motors off for most of the time.
     for (devices, device) in [
         (&[][..], "`left: pointer, right: pointer`"),
@@ -260,7 +260,7 @@ fn on(emulators: &[Emulator; 2]) -> Vec<String> {
     device.collect()
 }
 
-const LOOP: &str = "pinch.toml pinch.mcap --priority 0 --stall-after 50 --json";
+const LOOP: &str = "pinch.toml pinch.mcap --priority 0 --stall-after-periods 50 --json";
 
 /// Returns the number of ticks in the recording that push both fingers back.
 fn ticks_of_a_pinch(folder: &Folder) -> usize {
@@ -329,7 +329,7 @@ fn what_ends_a_loop_takes_the_force_off_both() {
         ),
     ] {
         let emulators = two_fingers();
-        let run = format!("{of} pinch.toml --priority 0 --stall-after 50 --duration 100");
+        let run = format!("{of} pinch.toml --priority 0 --stall-after-periods 50 --duration 100");
         let mut command = program(&folder, &run, &on(&emulators));
         let running = Running::start(&mut command);
         let force = |emulator: &Emulator| emulator.force(ID).unwrap_or_default()[0];
@@ -387,7 +387,7 @@ fn the_watchdog_of_each_board_takes_its_torque_off() {
         });
         let devices: Vec<String> = devices.collect();
         let press = || {
-            let run = "run walls.toml --priority 0 --stall-after 50 --soft-start 0 --duration inf";
+            let run = "run walls.toml --priority 0 --stall-after-periods 50 --soft-start 0 --duration inf";
             let mut running = Running::start(&mut program(&folder, run, &devices));
             let mut has_ended = false;
             wait_for("two torques", || {

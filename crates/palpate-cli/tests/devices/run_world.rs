@@ -200,7 +200,7 @@ fn a_ball_is_pressed(folder: &Folder) -> (Answer, Vec<[f64; 3]>) {
     .unwrap();
     let answer = folder.palpate(&format!(
         "record ball-on-table.toml ball.mcap --device inverse3 --service {} --priority 0 \
-         --service-priority 0 --stall-after 50 --duration 2 --json",
+         --service-priority 0 --stall-after-periods 50 --duration 2 --json",
         emulator.url()
     ));
     let received = emulator.received();
@@ -254,7 +254,7 @@ fn record_the_block(folder: &Folder) -> Answer {
     let emulator = two_diy::Emulator::start(&settings).unwrap();
     let answer = folder.palpate(
         "record block-at-wall.toml block.mcap --device haply-2diy --port haply --board m0 \
-         --origin 0.019,0.1169 --start-pose 130,50 --priority 0 --stall-after 200 --duration 1.2 --json",
+         --origin 0.019,0.1169 --start-pose 130,50 --priority 0 --stall-after-periods 200 --duration 1.2 --json",
     );
     // 5 if the motors were off for most of the ticks.
     assert!(matches!(answer.code, 0 | 5), "{answer:?}");

@@ -150,7 +150,7 @@ const RECONNECT: &str = "--reconnect --reconnect-in-start-pose";
 /// At the middle of the workspace; moves into a wall 8 mm away and out again.
 const HAND: &str = " --angles 130,50 --hold 0.019,0.1169 --sway 0,0.012 --sway-period 0.4";
 const WALL: &str =
-    "--origin 0.019,0.11 --normal 0,1 --stiffness 300 --method basic --stall-after 50";
+    "--origin 0.019,0.11 --normal 0,1 --stiffness 300 --method basic --stall-after-periods 50";
 
 #[test]
 fn a_wall_is_felt_recorded_and_read_back() {

@@ -227,7 +227,7 @@ fn no_signal_leaves_a_torque_on() {
                     let Some((number, does)) = signals.get(index).copied() else {
                         break;
                     };
-                    let after = strikes(number, does, "--priority 0 --stall-after 50", emulator);
+                    let after = strikes(number, does, "--priority 0 --stall-after-periods 50", emulator);
                     took.lock().unwrap().push((number, does, after));
                 }
             });
@@ -249,7 +249,7 @@ fn no_signal_leaves_a_torque_on() {
 fn how_long_a_torque_stays_on_is_measured() {
     const ROUNDS: usize = 10;
     for (number, does, name) in [(9, Does::Kills, "killed"), (19, Does::Stops, "stopped")] {
-        for rest in ["", "--stall-after 1.5"] {
+        for rest in ["", "--stall-after-periods 1.5"] {
             let mut took: Vec<Duration> = (0..ROUNDS)
                 .map(|_| strikes(number, does, rest, emulator_on_a_terminal).1)
                 .collect();
@@ -278,7 +278,7 @@ fn stopped_for_a_while_it_comes_back() -> bool {
     let emulator = emulator(&folder);
     let port = emulator.path();
     let begun = Instant::now();
-    let mut run = pressing(&folder, &emulator, "--json --priority 0 --stall-after 50");
+    let mut run = pressing(&folder, &emulator, "--json --priority 0 --stall-after-periods 50");
     // More ticks than a recovery takes.
     wait_for("ticks", || {
         emulator.seen().len() > 1000 || run.try_wait().unwrap().is_some()
@@ -367,7 +367,7 @@ fn without_its_watchdog(number: i32) -> (String, serde_json::Value) {
     let folder = folder();
     let emulator = emulator(&folder);
     let port = emulator.path();
-    let run = pressing(&folder, &emulator, "--json --priority 0 --stall-after 50");
+    let run = pressing(&folder, &emulator, "--json --priority 0 --stall-after-periods 50");
     assert!(signal(number, watchdog(&run)));
     wait_for("no torque", || {
         off_since(&emulator).is_some_and(|since| since.elapsed() > Duration::from_millis(300))
@@ -394,7 +394,7 @@ fn a_device_that_comes_back_has_a_watchdog_of_its_own() {
     };
     let emulator = Emulator::start(&settings).unwrap();
     let port = emulator.path();
-    let rest = "--priority 0 --stall-after 50 --reconnect --reconnect-in-start-pose";
+    let rest = "--priority 0 --stall-after-periods 50 --reconnect --reconnect-in-start-pose";
     let mut run = pressing(&folder, &emulator, rest);
     let first = watchdog(&run);
     emulator.inject_faults(Fault::Unplug(Duration::from_secs(1)));
@@ -422,7 +422,7 @@ fn a_watchdog_heeds_no_signal_and_is_in_no_session_of_the_loop() {
     let folder = folder();
     let emulator = emulator(&folder);
     let port = emulator.path();
-    let run = pressing(&folder, &emulator, "--priority 0 --stall-after 50");
+    let run = pressing(&folder, &emulator, "--priority 0 --stall-after-periods 50");
     let watchdog = watchdog(&run);
     let session = |id: u32| -> i32 {
         let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).unwrap();

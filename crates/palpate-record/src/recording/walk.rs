@@ -158,78 +158,118 @@ impl<R: Read> Walk<R> {
                 Frame::Torn { size, .. } => return Ok(self.torn(size)),
                 Frame::Endless => return Ok(strange(self.frames.offset)),
             };
-            match opcode {
-                op::CHUNK if !self.in_summary => {
-                    return Ok(match self.content.chunk(&body, self.is_foreign) {
-                        Ok(entries) => Step::Chunk(entries),
-                        Err(why) => Step::Damaged(format!("the chunk at byte {at}: {why}")),
-                    });
-                }
-                op::MESSAGE_INDEX if !self.in_summary && is_index(&body) => {}
-                op::METADATA if !self.in_summary => {
-                    if let Some(damage) = self.metadata_record(&body)? {
-                        return Ok(Step::Damaged(format!("the record at byte {at}: {damage}")));
-                    }
-                }
-                op::ATTACHMENT if !self.in_summary => {}
-                // Outside chunks, as other tools may place them.
-                op::SCHEMA | op::CHANNEL | op::MESSAGE if !self.in_summary && self.is_foreign => {
-                    match self.content.record(opcode, &body) {
-                        Ok(None) => {}
-                        Ok(Some(entry)) => return Ok(Step::Chunk(vec![entry])),
-                        Err(why) => {
-                            return Ok(Step::Damaged(format!("the record at byte {at}: {why}")));
-                        }
-                    }
-                }
-                op::DATA_END if !self.in_summary => {
-                    let Ok(Record::DataEnd(end)) = parse_record(opcode, &body) else {
-                        return Ok(strange(at));
-                    };
-                    self.in_summary = true;
-                    self.frames.forget();
-                    let lacks_sum = self.is_foreign && end.data_section_crc == 0;
-                    if !lacks_sum && end.data_section_crc != before.finalize() {
-                        return Ok(Step::Damaged(format!(
-                            "{WHOLE}: its checksum does not match its bytes"
-                        )));
-                    }
-                }
-                op::SCHEMA
-                | op::CHANNEL
-                | op::STATISTICS
-                | op::CHUNK_INDEX
-                | op::ATTACHMENT_INDEX
-                | op::METADATA_INDEX
-                | op::SUMMARY_OFFSET
-                    if self.in_summary => {}
-                op::FOOTER if self.in_summary => {
-                    let lacks_sum = self.is_foreign && body.ends_with(&[0; 4]);
-                    let sound = lacks_sum
-                        || summary_checksum(before, &body) == body.last_chunk::<4>().copied();
-                    let (rest, behind) = self.frames.rest()?;
-                    return Ok(if sound && rest == MAGIC {
-                        self.has_ended = true;
-                        if behind == 0 {
-                            return Ok(Step::Complete);
-                        }
-                        Step::Damaged(format!(
-                            "{WHOLE}: {behind} {} the end of the recording",
-                            if behind == 1 {
-                                "byte follows"
-                            } else {
-                                "bytes follow"
-                            }
-                        ))
-                    } else if sound && MAGIC.starts_with(&rest) {
-                        self.tail("within its last bytes")
-                    } else {
-                        Step::Tail("the index at its end is damaged".into())
-                    });
-                }
-                _ => return Ok(strange(at)),
+            let step = if self.in_summary {
+                self.summary_record(opcode, at, &body, before)?
+            } else {
+                self.data_record(opcode, at, &body, before)?
+            };
+            if let Some(step) = step {
+                return Ok(step);
             }
         }
+    }
+
+    /// Processes a record before the summary, at byte `at`; returns the item that it gives, if any.
+    fn data_record(
+        &mut self,
+        opcode: u8,
+        at: u64,
+        body: &[u8],
+        before: crc32fast::Hasher,
+    ) -> Result<Option<Step>, Refused> {
+        match opcode {
+            op::CHUNK => {
+                return Ok(Some(match self.content.chunk(body, self.is_foreign) {
+                    Ok(entries) => Step::Chunk(entries),
+                    Err(why) => Step::Damaged(format!("the chunk at byte {at}: {why}")),
+                }));
+            }
+            op::MESSAGE_INDEX if is_index(body) => {}
+            op::METADATA => {
+                if let Some(damage) = self.metadata_record(body)? {
+                    let damage = format!("the record at byte {at}: {damage}");
+                    return Ok(Some(Step::Damaged(damage)));
+                }
+            }
+            op::ATTACHMENT => {}
+            // Outside chunks, as other tools may place them.
+            op::SCHEMA | op::CHANNEL | op::MESSAGE if self.is_foreign => {
+                match self.content.record(opcode, body) {
+                    Ok(None) => {}
+                    Ok(Some(entry)) => return Ok(Some(Step::Chunk(vec![entry]))),
+                    Err(why) => {
+                        let damage = format!("the record at byte {at}: {why}");
+                        return Ok(Some(Step::Damaged(damage)));
+                    }
+                }
+            }
+            op::DATA_END => return Ok(self.data_end(at, body, before)),
+            _ => return Ok(Some(strange(at))),
+        }
+        Ok(None)
+    }
+
+    /// Begins the summary; returns an item if the end of the data, at byte `at`, is damaged or its checksum does not
+    /// match.
+    fn data_end(&mut self, at: u64, body: &[u8], before: crc32fast::Hasher) -> Option<Step> {
+        let Ok(Record::DataEnd(end)) = parse_record(op::DATA_END, body) else {
+            return Some(strange(at));
+        };
+        self.in_summary = true;
+        self.frames.forget();
+        let lacks_sum = self.is_foreign && end.data_section_crc == 0;
+        if !lacks_sum && end.data_section_crc != before.finalize() {
+            return Some(Step::Damaged(format!(
+                "{WHOLE}: its checksum does not match its bytes"
+            )));
+        }
+        None
+    }
+
+    /// Processes a record of the summary, at byte `at`; returns the item that it gives, if any.
+    fn summary_record(
+        &mut self,
+        opcode: u8,
+        at: u64,
+        body: &[u8],
+        before: crc32fast::Hasher,
+    ) -> Result<Option<Step>, Refused> {
+        match opcode {
+            op::SCHEMA
+            | op::CHANNEL
+            | op::STATISTICS
+            | op::CHUNK_INDEX
+            | op::ATTACHMENT_INDEX
+            | op::METADATA_INDEX
+            | op::SUMMARY_OFFSET => Ok(None),
+            op::FOOTER => self.footer(body, before).map(Some),
+            _ => Ok(Some(strange(at))),
+        }
+    }
+
+    /// Checks the footer and the bytes after it; returns the end of the recording.
+    fn footer(&mut self, body: &[u8], before: crc32fast::Hasher) -> Result<Step, Refused> {
+        let lacks_sum = self.is_foreign && body.ends_with(&[0; 4]);
+        let sound = lacks_sum || summary_checksum(before, body) == body.last_chunk::<4>().copied();
+        let (rest, behind) = self.frames.rest()?;
+        Ok(if sound && rest == MAGIC {
+            self.has_ended = true;
+            if behind == 0 {
+                return Ok(Step::Complete);
+            }
+            Step::Damaged(format!(
+                "{WHOLE}: {behind} {} the end of the recording",
+                if behind == 1 {
+                    "byte follows"
+                } else {
+                    "bytes follow"
+                }
+            ))
+        } else if sound && MAGIC.starts_with(&rest) {
+            self.tail("within its last bytes")
+        } else {
+            Step::Tail("the index at its end is damaged".into())
+        })
     }
 
     /// Processes a metadata record; returns a description of an error.

@@ -63,6 +63,45 @@ impl Line {
     }
 }
 
+/// A table as far as its samples are read.
+struct Reading {
+    /// Number of fields of the header.
+    field_count: usize,
+    time: Column,
+    /// Requested columns; `None` where the table has none.
+    found: Vec<Option<Column>>,
+    samples: Samples,
+    /// First time of the table `[s]`.
+    first: Option<f64>,
+    /// Time of the line before, up to the end of the part `[s]`.
+    before: Option<f64>,
+    /// Whether the next line is the first after the header.
+    is_first_line: bool,
+    is_read_to_its_end: bool,
+    /// Numbers of the current line.
+    numbers: Vec<f64>,
+}
+
+impl Reading {
+    /// Starts after a header with `field_count` fields.
+    fn new(field_count: usize, time: Column, found: Vec<Option<Column>>) -> Self {
+        Self {
+            field_count,
+            samples: Samples {
+                is_there: found.iter().map(Option::is_some).collect(),
+                ..Samples::default()
+            },
+            first: None,
+            before: None,
+            is_first_line: true,
+            is_read_to_its_end: true,
+            numbers: Vec::with_capacity(found.len()),
+            time,
+            found,
+        }
+    }
+}
+
 /// A fault and the bytes at fault.
 type Fault = (Range<usize>, TraceFault);
 
@@ -156,113 +195,173 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
 
     /// Reads the samples of the part.
     pub fn samples(&mut self, request: &Request) -> Result<Samples, TraceError> {
-        let (part, layout) = (request.part, request.layout);
         check_keys(self.file, request)?;
         let mut header = Line::new();
         if !self.next(&mut header)? {
             let end = self.source().len();
             return Err(self.fault((end..end, TraceFault::Empty)));
         }
-        let (mut time, mut found) = self.columns(&header, request)?;
-        let mut samples = Samples {
-            is_there: found.iter().map(Option::is_some).collect(),
-            ..Samples::default()
-        };
-        let (mut first, mut before) = (None, None);
-        let (mut is_first_line, mut is_read_to_its_end) = (true, true);
+        let (time, found) = self.columns(&header, request)?;
+        let mut reading = Reading::new(header.fields.len(), time, found);
         let mut line = Line::new();
-        let mut numbers = Vec::with_capacity(found.len());
         while self.next(&mut line)? {
-            let (expected, count) = (header.fields.len(), line.fields.len());
-            if expected != count {
-                let fault = TraceFault::FieldCount {
-                    expected,
-                    found: count,
-                };
-                return Err(self.fault_in(&line, None, fault));
-            }
-            let is_units = is_first_line && Column::is_unit_of_time(&line.fields[time.at]);
-            is_first_line = false;
-            if is_units {
-                for column in std::iter::once(&mut time).chain(found.iter_mut().flatten()) {
-                    let taken = column.take_unit(&line.fields[column.at], layout);
-                    taken.map_err(|fault| self.fault_in(&line, Some(column.at), fault))?;
-                }
+            self.check_field_count(&line, reading.field_count)?;
+            if self.skips_line(&line, request.layout, &mut reading)? {
                 continue;
             }
-            let is_missing = |column: &Column| is_missing(line.fields[column.at].trim());
-            if layout.skip_missing && (is_missing(&time) || found.iter().flatten().any(is_missing))
-            {
-                samples.notes.left_out += 1;
-                continue;
-            }
-            let now = self.number(&line, &time, layout)?;
-            if let Some(before) = before
-                && now <= before
-            {
-                let fault = TraceFault::TimeNotIncreasing { before, now };
-                return Err(self.fault_in(&line, Some(time.at), fault));
-            }
-            first = first.or(Some(now));
-            if now > part.to {
-                is_read_to_its_end = false;
+            let now = self.next_time(&line, request.layout, &mut reading)?;
+            if now > request.part.to {
+                reading.is_read_to_its_end = false;
                 break;
             }
-            before = Some(now);
-            if now < part.from {
+            reading.before = Some(now);
+            if now < request.part.from {
                 continue;
             }
-            let begin = samples.t_s.first().copied().unwrap_or(now);
-            if now - begin > part.longest {
-                let fault = TraceFault::TooLong {
-                    longest: part.longest,
-                    first: begin,
-                };
-                return Err(self.fault_in(&line, Some(time.at), fault));
-            }
-            numbers.clear();
-            for column in found.iter().flatten() {
-                numbers.push(self.number(&line, column, layout)?);
-            }
-            if let Some((at, fault)) = (request.check)(&numbers) {
-                let at = found.iter().flatten().nth(at).map(|column| column.at);
-                return Err(self.fault_in(&line, at, fault));
-            }
-            samples.t_s.push(now);
-            samples.numbers.extend_from_slice(&numbers);
+            self.check_duration(&line, request.part, now, &reading)?;
+            self.add_sample(&line, request, now, &mut reading)?;
         }
-        if is_read_to_its_end {
-            // Only the last record can have an unclosed quote.
-            let start = skip_to_record(self.source(), self.last);
-            if let Some(at) = open_quote(self.source(), start, self.delimiter) {
-                return Err(self.fault((at..at + 1, TraceFault::OpenQuote)));
-            }
-            let last = header.fields.len() - 1;
-            let reads_last = std::iter::once(&time)
-                .chain(found.iter().flatten())
-                .any(|column| column.at == last);
-            if reads_last {
-                self.cut_off(last, layout, &mut samples.notes)?;
-            }
+        if reading.is_read_to_its_end {
+            self.check_end(request.layout, &mut reading)?;
         }
-        let count = samples.t_s.len();
+        self.check_count(request.part, &reading)?;
+        Ok(reading.samples)
+    }
+
+    /// Rejects a line whose number of fields is not that of the header.
+    fn check_field_count(&mut self, line: &Line, expected: usize) -> Result<(), TraceError> {
+        let count = line.fields.len();
+        if expected != count {
+            let fault = TraceFault::FieldCount {
+                expected,
+                found: count,
+            };
+            return Err(self.fault_in(line, None, fault));
+        }
+        Ok(())
+    }
+
+    /// Reads a line of units and counts a left-out line; returns whether the line has no sample.
+    fn skips_line(
+        &mut self,
+        line: &Line,
+        layout: &Layout,
+        reading: &mut Reading,
+    ) -> Result<bool, TraceError> {
+        let Reading { time, found, .. } = reading;
+        let is_units = reading.is_first_line && Column::is_unit_of_time(&line.fields[time.at]);
+        reading.is_first_line = false;
+        if is_units {
+            for column in std::iter::once(time).chain(found.iter_mut().flatten()) {
+                let taken = column.take_unit(&line.fields[column.at], layout);
+                taken.map_err(|fault| self.fault_in(line, Some(column.at), fault))?;
+            }
+            return Ok(true);
+        }
+        let is_missing = |column: &Column| is_missing(line.fields[column.at].trim());
+        if layout.skip_missing && (is_missing(time) || found.iter().flatten().any(is_missing)) {
+            reading.samples.notes.left_out += 1;
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    /// Returns the time of a line `[s]`; rejects a time that does not increase.
+    fn next_time(
+        &mut self,
+        line: &Line,
+        layout: &Layout,
+        reading: &mut Reading,
+    ) -> Result<f64, TraceError> {
+        let now = self.number(line, &reading.time, layout)?;
+        if let Some(before) = reading.before
+            && now <= before
+        {
+            let fault = TraceFault::TimeNotIncreasing { before, now };
+            return Err(self.fault_in(line, Some(reading.time.at), fault));
+        }
+        reading.first = reading.first.or(Some(now));
+        Ok(now)
+    }
+
+    /// Rejects a sample at `now` `[s]` that is too long after the first sample of the part.
+    fn check_duration(
+        &mut self,
+        line: &Line,
+        part: &Part,
+        now: f64,
+        reading: &Reading,
+    ) -> Result<(), TraceError> {
+        let begin = reading.samples.t_s.first().copied().unwrap_or(now);
+        if now - begin > part.longest {
+            let fault = TraceFault::TooLong {
+                longest: part.longest,
+                first: begin,
+            };
+            return Err(self.fault_in(line, Some(reading.time.at), fault));
+        }
+        Ok(())
+    }
+
+    /// Reads and checks the numbers of a line, and adds its sample at `now` `[s]`.
+    fn add_sample(
+        &mut self,
+        line: &Line,
+        request: &Request,
+        now: f64,
+        reading: &mut Reading,
+    ) -> Result<(), TraceError> {
+        let Reading { found, numbers, .. } = reading;
+        numbers.clear();
+        for column in found.iter().flatten() {
+            numbers.push(self.number(line, column, request.layout)?);
+        }
+        if let Some((at, fault)) = (request.check)(numbers) {
+            let at = found.iter().flatten().nth(at).map(|column| column.at);
+            return Err(self.fault_in(line, at, fault));
+        }
+        reading.samples.t_s.push(now);
+        reading.samples.numbers.extend_from_slice(numbers);
+        Ok(())
+    }
+
+    /// Rejects an unclosed quote at the end of the text, and checks a last number that may be cut off.
+    fn check_end(&mut self, layout: &Layout, reading: &mut Reading) -> Result<(), TraceError> {
+        // Only the last record can have an unclosed quote.
+        let start = skip_to_record(self.source(), self.last);
+        if let Some(at) = open_quote(self.source(), start, self.delimiter) {
+            return Err(self.fault((at..at + 1, TraceFault::OpenQuote)));
+        }
+        let last = reading.field_count - 1;
+        let reads_last = std::iter::once(&reading.time)
+            .chain(reading.found.iter().flatten())
+            .any(|column| column.at == last);
+        if reads_last {
+            self.cut_off(last, layout, &mut reading.samples.notes)?;
+        }
+        Ok(())
+    }
+
+    /// Rejects a part with fewer than two samples.
+    fn check_count(&mut self, part: &Part, reading: &Reading) -> Result<(), TraceError> {
+        let count = reading.samples.t_s.len();
         if count < 2 {
             let end = self.source().trim_end().len();
-            let fault = match first {
+            let fault = match reading.first {
                 Some(first) if (part.from, part.to) != (Part::WHOLE.from, Part::WHOLE.to) => {
                     TraceFault::TooFewInPart {
                         from: part.from,
                         to: part.to,
                         found: count,
                         first,
-                        last: before.filter(|_| is_read_to_its_end),
+                        last: reading.before.filter(|_| reading.is_read_to_its_end),
                     }
                 }
                 _ => TraceFault::TooFewSamples { found: count },
             };
             return Err(self.fault((end..end, fault)));
         }
-        Ok(samples)
+        Ok(())
     }
 
     /// Notes the last number of a text whose last line has no line end; returns an error if the caller receives no

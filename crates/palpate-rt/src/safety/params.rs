@@ -113,72 +113,76 @@ impl SafetyParams {
     }
 
     pub(super) fn check(&self) -> Result<(), SafetyError> {
-        let named = |name, value: f64, fine: bool, allowed| {
-            if fine {
-                Ok(())
-            } else {
-                Err(SafetyError {
-                    name,
-                    value,
-                    allowed,
-                })
-            }
-        };
-        let positive = |name, value: f64| named(name, value, value > 0.0, "above 0");
-        named(
+        check_value(
             "largest force",
             self.largest_force,
             self.largest_force > 0.0 && self.largest_force.is_finite(),
             "finite and above 0 [N]",
         )?;
-        named(
+        check_value(
             "largest torque",
             self.largest_torque,
             self.largest_torque > 0.0 && self.largest_torque.is_finite(),
             "finite and above 0 [N m]",
         )?;
-        positive("slew limit", self.slew_limit)?;
-        positive("slew limit of the torque", self.torque_slew_limit)?;
-        positive("largest speed", self.largest_speed)?;
-        positive("energy of an oscillation", self.oscillation.energy)?;
-        positive("window of an oscillation", self.oscillation.window)?;
+        check_positive("slew limit", self.slew_limit)?;
+        check_positive("slew limit of the torque", self.torque_slew_limit)?;
+        check_positive("largest speed", self.largest_speed)?;
+        check_positive("energy of an oscillation", self.oscillation.energy)?;
+        check_positive("window of an oscillation", self.oscillation.window)?;
+        self.check_recoveries()?;
+        self.check_times()?;
+        self.check_extents()
+    }
+
+    /// Rejects invalid thresholds for frequent recoveries.
+    fn check_recoveries(&self) -> Result<(), SafetyError> {
         let RecoveryParams { too_many, window } = self.recoveries;
-        positive("window of recoveries", window)?;
+        check_positive("window of recoveries", window)?;
         if let Some(too_many) = too_many {
-            named(
+            check_value(
                 "number of recoveries",
                 too_many.into(),
                 (2..=REMEMBERED).contains(&usize::try_from(too_many).unwrap_or(usize::MAX)),
                 "2 to 32",
             )?;
         }
-        named(
+        Ok(())
+    }
+
+    /// Rejects an invalid number of periods or duration.
+    fn check_times(&self) -> Result<(), SafetyError> {
+        check_value(
             "periods without a sample",
             self.stale_after.into(),
             (1..=2).contains(&self.stale_after),
             "1 or 2: after two periods the force must be 0",
         )?;
-        named(
+        check_value(
             "soft start",
             self.soft_start,
             (0.0..=60.0).contains(&self.soft_start),
             "0 to 60 [s]",
         )?;
-        named(
+        check_value(
             "periods until a stall",
             self.stall_after_periods,
             (1.0..=1000.0).contains(&self.stall_after_periods),
             "1 to 1000",
         )?;
-        named(
+        check_value(
             "tolerated lateness",
             self.tolerated_lateness,
             (0.0..=1.0).contains(&self.tolerated_lateness),
             "0 to 1 [s]",
-        )?;
+        )
+    }
+
+    /// Rejects a range or a workspace whose upper end is below its lower end.
+    fn check_extents(&self) -> Result<(), SafetyError> {
         if let Some([from, to]) = self.range {
             let extent = to - from;
-            named(
+            check_value(
                 "extent of the range",
                 extent,
                 extent >= 0.0,
@@ -188,7 +192,7 @@ impl SafetyParams {
         if let Some([lower, upper]) = self.workspace {
             for (low, high) in lower.iter().zip(upper) {
                 let extent = high - low;
-                named(
+                check_value(
                     "extent of the workspace",
                     extent,
                     extent >= 0.0,
@@ -198,6 +202,29 @@ impl SafetyParams {
         }
         Ok(())
     }
+}
+
+/// Rejects a value that is not `fine`.
+fn check_value(
+    name: &'static str,
+    value: f64,
+    fine: bool,
+    allowed: &'static str,
+) -> Result<(), SafetyError> {
+    if fine {
+        Ok(())
+    } else {
+        Err(SafetyError {
+            name,
+            value,
+            allowed,
+        })
+    }
+}
+
+/// Rejects a value that is not above 0.
+fn check_positive(name: &'static str, value: f64) -> Result<(), SafetyError> {
+    check_value(name, value, value > 0.0, "above 0")
 }
 
 /// An invalid limit.

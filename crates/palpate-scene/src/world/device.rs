@@ -10,6 +10,7 @@ use super::mass_table::RawMassTable;
 use super::per_axis::{DeviceAxes, PerAxis};
 use super::shape::{RawShape, unit};
 use super::{DeviceTurning, Tremor, TurningHand, WorldDevice, WorldHand};
+use crate::fault::Span;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -40,6 +41,68 @@ pub(super) struct RawDevice {
     tool: Spanned<RawShape>,
 }
 
+/// The keys of a device's rotation, without its inertia.
+struct TurningKeys {
+    /// Rotational stiffness of the hand `[N m/rad]`.
+    stiffness: Option<Spanned<f64>>,
+    /// Rotational damping of the hand `[N m s/rad]`.
+    damping: Option<Spanned<f64>>,
+    /// Quantum of the angle sensor `[rad]`.
+    quantum: Option<Spanned<f64>>,
+    /// Amplitude of the tremor's torque `[N m]`.
+    tremor: Option<Spanned<f64>>,
+    /// Orientation at the start.
+    orientation: Option<Spanned<Quaternion>>,
+    /// Orientation at which the hand is at rest.
+    rest: Option<Spanned<Quaternion>>,
+    /// Torque of the hand `[N m]`.
+    torque: Option<Spanned<Vector>>,
+    /// Angular velocity at the start `[rad/s]`.
+    angular_velocity: Option<Spanned<Vector>>,
+    /// Whether the motors give torques.
+    gives_torque: Option<Spanned<bool>>,
+}
+
+impl TurningKeys {
+    /// Takes the keys out of a device; `tremor` is the amplitude of the torque `[N m]`.
+    fn take(raw: &mut RawDevice, tremor: Option<Spanned<f64>>) -> Self {
+        Self {
+            stiffness: raw.hand_rotational_stiffness_n_m_per_rad.take(),
+            damping: raw.hand_rotational_damping_n_m_s_per_rad.take(),
+            quantum: raw.quantum_rad.take(),
+            tremor,
+            orientation: raw.orientation.take(),
+            rest: raw.hand_rest_orientation.take(),
+            torque: raw.hand_torque_n_m.take(),
+            angular_velocity: raw.angular_velocity_rad_per_s.take(),
+            gives_torque: raw.gives_torque.take(),
+        }
+    }
+
+    /// Returns the name of each key, and its span if it is given.
+    fn spans(&self) -> [(&'static str, Option<Span>); 9] {
+        [
+            (
+                "hand_rotational_stiffness_n_m_per_rad",
+                span(&self.stiffness),
+            ),
+            ("hand_rotational_damping_n_m_s_per_rad", span(&self.damping)),
+            ("quantum_rad", span(&self.quantum)),
+            ("tremor_n_m", span(&self.tremor)),
+            ("orientation", span(&self.orientation)),
+            ("hand_rest_orientation", span(&self.rest)),
+            ("hand_torque_n_m", span(&self.torque)),
+            ("angular_velocity_rad_per_s", span(&self.angular_velocity)),
+            ("gives_torque", span(&self.gives_torque)),
+        ]
+    }
+}
+
+/// Returns the span of a value, if it is given.
+fn span<T>(value: &Option<Spanned<T>>) -> Option<Span> {
+    value.as_ref().map(Spanned::span)
+}
+
 /// Largest component of a vector outside the axes of its device, relative to its largest component: decimal fractions
 /// are rounded.
 const MAX_BEYOND: f64 = 1e-6;
@@ -51,8 +114,46 @@ impl Reading {
         self.places.part(place, span.clone());
         let mut raw = raw.into_inner();
         let tremor_torque = raw.tremor_n_m.take();
-        let tremor = match (raw.tremor_n.take(), raw.tremor_hz.take()) {
-            (None, Some(frequency)) if tremor_torque.is_some() => Tremor {
+        let given = [raw.tremor_n.take(), raw.tremor_hz.take()];
+        let tremor = self.tremor(given, tremor_torque.is_some());
+        let turning = self.turning(index, &mut raw, tremor_torque, tremor.frequency_hz);
+        self.check_name(&raw.name);
+        let name = self.places.take(place, WorldField::Name, raw.name.clone());
+        let axes = raw.axes.take().map_or(DeviceAxes::WORLD, |axes| {
+            self.places.take(place, WorldField::Axes, axes)
+        });
+        let known = self.has_its_axes(index).then_some(axes.has);
+        let tool = Tool {
+            shape: self.shape(place, &name, raw.tool.clone()),
+            name,
+            turns: turning.is_some(),
+            gives_torque: turning.is_none_or(|turning| turning.gives_torque),
+            axes: axes.has,
+            own_axes: axes.own,
+            mass_table: None,
+        };
+        let position = self.vector("position_m", raw.position_m.take(), [0.0; 3]);
+        let (tool, mass) = self.with_mass(index, span, tool, &mut raw, position);
+        let hand = self.hand(&mut raw, &tool, position, tremor);
+        let device = WorldDevice {
+            own_axes: tool.own_axes,
+            mass,
+            position,
+            velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
+            quantum: raw.quantum_m.map_or([0.0; 3], |quantum| {
+                self.per_axis("quantum_m", &quantum, Range::NotNegative, (known, 0.0))
+            }),
+            hand,
+            turning,
+        };
+        (tool, device)
+    }
+
+    /// Returns the tremor of an amplitude `[N]` and a frequency `[Hz]`; the latter may be alone if the tremor has a
+    /// torque.
+    fn tremor(&mut self, given: [Option<Spanned<f64>>; 2], has_torque: bool) -> Tremor {
+        match given.into() {
+            (None, Some(frequency)) if has_torque => Tremor {
                 amplitude: 0.0,
                 frequency_hz: self.number("tremor_hz", frequency, Range::Positive),
             },
@@ -65,33 +166,33 @@ impl Reading {
                 self.fault(key.span(), "a tremor needs both tremor_n and tremor_hz");
                 Tremor::default()
             }
-        };
-        let turning = self.turning(index, &mut raw, tremor_torque, tremor.frequency_hz);
-        if raw
-            .name
+        }
+    }
+
+    /// Rejects a name that cannot begin the name of a column.
+    fn check_name(&mut self, name: &Spanned<String>) {
+        if name
             .get_ref()
             .contains(|letter: char| letter.is_control() || "\",".contains(letter))
         {
             let message = "a device's name begins column names, so it must have no comma, quotation mark or control \
                            character";
-            self.fault(raw.name.span(), message);
+            self.fault(name.span(), message);
         }
-        let name = self.places.take(place, WorldField::Name, raw.name);
-        let axes = raw.axes.take().map_or(DeviceAxes::WORLD, |axes| {
-            self.places.take(place, WorldField::Axes, axes)
-        });
-        let known = self.has_its_axes(index).then_some(axes.has);
-        let tool = Tool {
-            shape: self.shape(place, &name, raw.tool),
-            name,
-            turns: turning.is_some(),
-            gives_torque: turning.is_none_or(|turning| turning.gives_torque),
-            axes: axes.has,
-            own_axes: axes.own,
-            mass_table: None,
-        };
-        let position = self.vector("position_m", raw.position_m, [0.0; 3]);
-        let (tool, mass) = match (raw.mass_kg, raw.mass_table) {
+    }
+
+    /// Returns the tool with its mass table, if it has one, and the mass along each axis `[kg]`. `span` is that of the
+    /// device, `position` its start `[m]`.
+    fn with_mass(
+        &mut self,
+        index: usize,
+        span: Span,
+        tool: Tool,
+        raw: &mut RawDevice,
+        position: Vector,
+    ) -> (Tool, Vector) {
+        let known = self.has_its_axes(index).then_some(tool.axes);
+        match (raw.mass_kg.take(), raw.mass_table.take()) {
             (None, Some(table)) if known.is_some() => {
                 self.with_mass_table(tool, table.into_inner(), position)
             }
@@ -110,38 +211,37 @@ impl Reading {
                 }
                 (tool, [1.0; 3])
             }
-        };
+        }
+    }
+
+    /// Returns the hand, whose rest is by default the device's `position` `[m]`. Rejects velocities, forces and rests
+    /// along the axes that the tool lacks.
+    fn hand(
+        &mut self,
+        raw: &mut RawDevice,
+        tool: &Tool,
+        position: Vector,
+        tremor: Tremor,
+    ) -> WorldHand {
         let mut at_least_0 = |key: &str, value: Option<Spanned<f64>>| {
             value.map_or(0.0, |value| self.number(key, value, Range::NotNegative))
         };
-        let stiffness = at_least_0("hand_stiffness_n_per_m", raw.hand_stiffness_n_per_m);
-        let damping = at_least_0("hand_damping_n_s_per_m", raw.hand_damping_n_s_per_m);
+        let stiffness = at_least_0("hand_stiffness_n_per_m", raw.hand_stiffness_n_per_m.take());
+        let damping = at_least_0("hand_damping_n_s_per_m", raw.hand_damping_n_s_per_m.take());
         for (key, value, held) in [
             ("velocity_m_per_s", &raw.velocity_m_per_s, [0.0; 3]),
             ("hand_force_n", &raw.hand_force_n, [0.0; 3]),
             ("hand_rest_m", &raw.hand_rest_m, position),
         ] {
-            self.nothing_elsewhere(key, value.as_ref(), &tool, held);
+            self.nothing_elsewhere(key, value.as_ref(), tool, held);
         }
-        let hand = WorldHand {
-            force: self.vector("hand_force_n", raw.hand_force_n, [0.0; 3]),
+        WorldHand {
+            force: self.vector("hand_force_n", raw.hand_force_n.take(), [0.0; 3]),
             stiffness,
             damping,
-            rest: self.vector("hand_rest_m", raw.hand_rest_m, position),
+            rest: self.vector("hand_rest_m", raw.hand_rest_m.take(), position),
             tremor,
-        };
-        let device = WorldDevice {
-            own_axes: tool.own_axes,
-            mass,
-            position,
-            velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
-            quantum: raw.quantum_m.map_or([0.0; 3], |quantum| {
-                self.per_axis("quantum_m", &quantum, Range::NotNegative, (known, 0.0))
-            }),
-            hand,
-            turning,
-        };
-        (tool, device)
+        }
     }
 
     /// Returns the mass along each axis; infinite along missing axes of the device.
@@ -214,43 +314,11 @@ impl Reading {
         tremor: Option<Spanned<f64>>,
         frequency_hz: f64,
     ) -> Option<DeviceTurning> {
-        let stiffness = raw.hand_rotational_stiffness_n_m_per_rad.take();
-        let damping = raw.hand_rotational_damping_n_m_s_per_rad.take();
-        let quantum = raw.quantum_rad.take();
-        let orientation = raw.orientation.take();
-        let rest = raw.hand_rest_orientation.take();
-        let torque = raw.hand_torque_n_m.take();
-        let angular_velocity = raw.angular_velocity_rad_per_s.take();
-        let gives_torque = raw.gives_torque.take();
+        let given = TurningKeys::take(raw, tremor);
         let Some(inertia) = raw.inertia_kg_m2.take() else {
             // The inertia has already been reported; the other keys are valid.
-            if self.lost_its_inertia(index) {
-                return None;
-            }
-            let spans = [
-                ("hand_rotational_stiffness_n_m_per_rad", &stiffness),
-                ("hand_rotational_damping_n_m_s_per_rad", &damping),
-                ("quantum_rad", &quantum),
-                ("tremor_n_m", &tremor),
-            ]
-            .map(|(key, value)| (key, value.as_ref().map(Spanned::span)));
-            let more = [
-                ("orientation", orientation.as_ref().map(Spanned::span)),
-                ("hand_rest_orientation", rest.as_ref().map(Spanned::span)),
-                ("hand_torque_n_m", torque.as_ref().map(Spanned::span)),
-                (
-                    "angular_velocity_rad_per_s",
-                    angular_velocity.as_ref().map(Spanned::span),
-                ),
-                ("gives_torque", gives_torque.as_ref().map(Spanned::span)),
-            ];
-            for (key, span) in spans.into_iter().chain(more) {
-                if let Some(span) = span {
-                    let message = format!(
-                        "{key} needs a device of six axes, with inertia_kg_m2 (three moments)"
-                    );
-                    self.fault(span, message);
-                }
+            if !self.lost_its_inertia(index) {
+                self.refuse_turning(&given);
             }
             return None;
         };
@@ -260,7 +328,7 @@ impl Reading {
             inertia.get_ref(),
             Range::Positive,
         );
-        let tremor = tremor.map_or(0.0, |tremor| {
+        let tremor = given.tremor.map_or(0.0, |tremor| {
             if frequency_hz == 0.0 {
                 let message = "a tremor needs both tremor_n_m and tremor_hz";
                 self.fault(tremor.span(), message);
@@ -270,27 +338,39 @@ impl Reading {
         let mut at_least_0 = |key: &str, value: Option<Spanned<f64>>| {
             value.map_or(0.0, |value| self.number(key, value, Range::NotNegative))
         };
-        let stiffness = at_least_0("hand_rotational_stiffness_n_m_per_rad", stiffness);
-        let damping = at_least_0("hand_rotational_damping_n_m_s_per_rad", damping);
-        let quantum = at_least_0("quantum_rad", quantum);
-        let orientation = self.orientation("orientation", orientation, IDENTITY);
+        let stiffness = at_least_0("hand_rotational_stiffness_n_m_per_rad", given.stiffness);
+        let damping = at_least_0("hand_rotational_damping_n_m_s_per_rad", given.damping);
+        let quantum = at_least_0("quantum_rad", given.quantum);
+        let orientation = self.orientation("orientation", given.orientation, IDENTITY);
+        let angular_velocity = given.angular_velocity;
         Some(DeviceTurning {
             inertia: inertia.into_inner(),
             orientation,
             angular_velocity: self.vector("angular_velocity_rad_per_s", angular_velocity, [0.0; 3]),
             quantum,
-            gives_torque: gives_torque.is_none_or(Spanned::into_inner),
+            gives_torque: given.gives_torque.is_none_or(Spanned::into_inner),
             hand: TurningHand {
-                torque: self.vector("hand_torque_n_m", torque, [0.0; 3]),
+                torque: self.vector("hand_torque_n_m", given.torque, [0.0; 3]),
                 stiffness,
                 damping,
-                rest: self.orientation("hand_rest_orientation", rest, orientation),
+                rest: self.orientation("hand_rest_orientation", given.rest, orientation),
                 tremor: Tremor {
                     amplitude: tremor,
                     frequency_hz,
                 },
             },
         })
+    }
+
+    /// Rejects the keys of a rotation, for a device without an inertia.
+    fn refuse_turning(&mut self, given: &TurningKeys) {
+        for (key, span) in given.spans() {
+            if let Some(span) = span {
+                let message =
+                    format!("{key} needs a device of six axes, with inertia_kg_m2 (three moments)");
+                self.fault(span, message);
+            }
+        }
     }
 
     /// A quaternion of any length above 0, brought to length 1.

@@ -1,6 +1,7 @@
 //! Scene files of format 2.
 
 mod contact;
+mod render;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -8,20 +9,19 @@ use std::path::{Path, PathBuf};
 use palpate_core::Range;
 use palpate_world::{
     Body, Contact, Free, IDENTITY, Motion, Quaternion, Shape, Vector, World, WorldField as Field,
-    WorldGuard, WorldPart,
+    WorldPart,
 };
 use serde::Deserialize;
 use toml::Spanned;
 use toml::de::DeTable;
 
 use self::contact::RawContact;
+use self::render::RawRender;
 use super::device::RawDevice;
-use super::guard::RawGuard;
 use super::joint::RawJoint;
-use super::per_axis::PerAxis;
 use super::place::WorldPlaces;
 use super::shape::{RawShape, unit};
-use super::{Coupling, WorldActuator, WorldDevice, WorldRender, WorldScene, WorldTiming};
+use super::{WorldActuator, WorldScene, WorldTiming};
 use crate::fault::{SceneError, SceneErrors, Span};
 use crate::{period_question, recover};
 
@@ -76,24 +76,6 @@ struct RawBody {
     angular_velocity_rad_per_s: Option<Spanned<Vector>>,
     force_n: Option<Spanned<Vector>>,
     shape: Spanned<RawShape>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct RawRender {
-    method: Option<Spanned<String>>,
-    device_mass_kg: Option<Spanned<PerAxis>>,
-    device_mass_factor: Option<Spanned<f64>>,
-    damping_n_s_per_m: Option<Spanned<f64>>,
-    coupling_stiffness_n_per_m: Option<Spanned<f64>>,
-    coupling_mass_kg: Option<Spanned<f64>>,
-    force_limit_n: Option<Spanned<f64>>,
-    device_inertia_kg_m2: Option<Spanned<Vector>>,
-    rotational_damping_n_m_s_per_rad: Option<Spanned<f64>>,
-    coupling_rotational_stiffness_n_m_per_rad: Option<Spanned<f64>>,
-    coupling_inertia_kg_m2: Option<Spanned<f64>>,
-    torque_limit_n_m: Option<Spanned<f64>>,
-    guard: Option<RawGuard>,
 }
 
 #[derive(Deserialize, Default)]
@@ -226,42 +208,8 @@ impl Reading {
     }
 
     fn scene(&mut self, raw: RawFile) -> WorldScene {
-        if *raw.format.get_ref() != WORLD_FORMAT {
-            let given = raw.format.get_ref();
-            let message = format!(
-                "format is {given}; a world with [[device]] and [[body]] needs {WORLD_FORMAT}"
-            );
-            self.fault(raw.format.span(), message);
-        }
-        self.places
-            .take(WorldPart::Loop, Field::Period, raw.r#loop.period_s.clone());
-        let period = self.number("period_s", raw.r#loop.period_s.clone(), Range::Positive);
-        let question = period_question("loop.period_s", "period_s = 0.001", period);
-        self.notes.extend(question);
-        let timed = [
-            &raw.model.delay_s,
-            &raw.model.lag_s,
-            &raw.model.gain,
-            &raw.r#loop.delay_s,
-            &raw.r#loop.lag_s,
-            &raw.r#loop.gain,
-        ];
-        if let Some(delay) = timed.into_iter().flatten().next() {
-            self.places
-                .take(WorldPart::Loop, Field::Actuation, delay.clone());
-        }
-        let RawLoop {
-            delay_s,
-            lag_s,
-            gain,
-            ..
-        } = raw.r#loop;
-        let perfect = WorldActuator {
-            delay: 0.0,
-            lag: 0.0,
-            gain: 1.0,
-        };
-        let actuator = self.actuator([delay_s, lag_s, gain], perfect);
+        self.check_format(&raw.format);
+        let timing = self.timing(raw.r#loop, &raw.model);
         let mut tools = Vec::new();
         let mut devices = Vec::new();
         for (index, device) in raw.device.into_iter().enumerate() {
@@ -291,6 +239,68 @@ impl Reading {
             bodies,
             contacts,
         };
+        self.check(&world);
+        let render = self.render(raw.render, raw.model, &devices, timing.actuator);
+        let duration = raw.measure.duration_s;
+        WorldScene {
+            title: raw.title,
+            world,
+            devices,
+            timing,
+            render,
+            duration: duration.map_or(DURATION, |duration| {
+                self.number("duration_s", duration, Range::Positive)
+            }),
+        }
+    }
+
+    /// Rejects another version than that of worlds.
+    fn check_format(&mut self, format: &Spanned<i64>) {
+        if *format.get_ref() != WORLD_FORMAT {
+            let given = format.get_ref();
+            let message = format!(
+                "format is {given}; a world with [[device]] and [[body]] needs {WORLD_FORMAT}"
+            );
+            self.fault(format.span(), message);
+        }
+    }
+
+    /// Returns period and actuators of the loop. Records the first key of an actuation, the model's or the loop's.
+    fn timing(&mut self, raw: RawLoop, model: &RawModel) -> WorldTiming {
+        self.places
+            .take(WorldPart::Loop, Field::Period, raw.period_s.clone());
+        let period = self.number("period_s", raw.period_s.clone(), Range::Positive);
+        let question = period_question("loop.period_s", "period_s = 0.001", period);
+        self.notes.extend(question);
+        let timed = [
+            &model.delay_s,
+            &model.lag_s,
+            &model.gain,
+            &raw.delay_s,
+            &raw.lag_s,
+            &raw.gain,
+        ];
+        if let Some(delay) = timed.into_iter().flatten().next() {
+            self.places
+                .take(WorldPart::Loop, Field::Actuation, delay.clone());
+        }
+        let RawLoop {
+            delay_s,
+            lag_s,
+            gain,
+            ..
+        } = raw;
+        let perfect = WorldActuator {
+            delay: 0.0,
+            lag: 0.0,
+            gain: 1.0,
+        };
+        let actuator = self.actuator([delay_s, lag_s, gain], perfect);
+        WorldTiming { period, actuator }
+    }
+
+    /// Rejects what is wrong between the parts of a world.
+    fn check(&mut self, world: &World) {
         // If a part is missing because its keys are faulty, references to it are not faults.
         let whole = ["device", "body", "contact", "joint"].map(|part| self.damaged.contains(part));
         let errors = if whole.contains(&true) {
@@ -304,18 +314,6 @@ impl Reading {
             if !self.faults.iter().any(|(other, _)| *other == span) {
                 self.fault(span, error.to_string());
             }
-        }
-        let render = self.render(raw.render, raw.model, &devices, actuator);
-        let duration = raw.measure.duration_s;
-        WorldScene {
-            title: raw.title,
-            world,
-            devices,
-            timing: WorldTiming { period, actuator },
-            render,
-            duration: duration.map_or(DURATION, |duration| {
-                self.number("duration_s", duration, Range::Positive)
-            }),
         }
     }
 
@@ -332,101 +330,6 @@ impl Reading {
             delay: or("delay_s", delay, otherwise.delay, Range::NotNegative),
             lag: or("lag_s", lag, otherwise.lag, Range::NotNegative),
             gain: or("gain", gain, otherwise.gain, Range::Positive),
-        }
-    }
-
-    fn render(
-        &mut self,
-        raw: RawRender,
-        model: RawModel,
-        devices: &[WorldDevice],
-        actuator: WorldActuator,
-    ) -> WorldRender {
-        if let Some(mass) = &raw.device_mass_kg {
-            self.places
-                .take(WorldPart::Method, Field::DeviceMass, mass.clone());
-        }
-        if let Some(damping) = &raw.damping_n_s_per_m {
-            self.places
-                .take(WorldPart::Method, Field::Damping, damping.clone());
-        }
-        // Values along the axes of each device.
-        let model_mass = raw.device_mass_kg.as_ref();
-        let mut masses: Vec<_> = devices.iter().map(|device| device.mass).collect();
-        for (number, mass) in masses.iter_mut().enumerate() {
-            if let Some(model) = model_mass {
-                let axes = self
-                    .has_its_axes(number)
-                    .then_some(mass.map(f64::is_finite));
-                *mass = self.per_axis(
-                    "device_mass_kg",
-                    model,
-                    Range::Positive,
-                    (axes, f64::INFINITY),
-                );
-            }
-        }
-        if let Some(factor) = raw.device_mass_factor {
-            if model_mass.is_some() {
-                let message = "give either device_mass_kg or device_mass_factor, not both";
-                self.fault(factor.span(), message);
-            }
-            let factor = self.number("device_mass_factor", factor, Range::Positive);
-            for mass in masses.iter_mut().flatten() {
-                *mass *= factor;
-            }
-        }
-        let model_inertia = raw.device_inertia_kg_m2.map(|inertia| {
-            self.places
-                .take(WorldPart::Method, Field::DeviceInertia, inertia.clone());
-            let key = "device_inertia_kg_m2";
-            self.numbers(key, inertia.span(), inertia.get_ref(), Range::Positive);
-            inertia.into_inner()
-        });
-        let inertia = devices.iter().map(|device| {
-            let turning = device.turning.as_ref();
-            turning.map(|turning| model_inertia.unwrap_or(turning.inertia))
-        });
-        WorldRender {
-            method: raw.method.map_or_else(
-                || "coupled".into(),
-                |method| self.places.take(WorldPart::Method, Field::Method, method),
-            ),
-            device_mass: masses,
-            damping: raw
-                .damping_n_s_per_m
-                .map(|damping| self.number("damping_n_s_per_m", damping, Range::NotNegative)),
-            device_inertia: inertia.collect(),
-            rotational_damping: raw.rotational_damping_n_m_s_per_rad.map(|damping| {
-                self.number(
-                    "rotational_damping_n_m_s_per_rad",
-                    damping,
-                    Range::NotNegative,
-                )
-            }),
-            torque_limit: raw
-                .torque_limit_n_m
-                .map(|limit| self.number("torque_limit_n_m", limit, Range::Positive)),
-            force_limit: raw
-                .force_limit_n
-                .map(|limit| self.number("force_limit_n", limit, Range::Positive)),
-            coupling: Coupling {
-                stiffness: raw
-                    .coupling_stiffness_n_per_m
-                    .map(|value| self.number("coupling_stiffness_n_per_m", value, Range::Positive)),
-                mass: raw
-                    .coupling_mass_kg
-                    .map(|value| self.number("coupling_mass_kg", value, Range::Positive)),
-                rotational_stiffness: raw.coupling_rotational_stiffness_n_m_per_rad.map(|value| {
-                    let key = "coupling_rotational_stiffness_n_m_per_rad";
-                    self.number(key, value, Range::Positive)
-                }),
-                inertia: raw
-                    .coupling_inertia_kg_m2
-                    .map(|value| self.number("coupling_inertia_kg_m2", value, Range::Positive)),
-            },
-            actuator: self.actuator([model.delay_s, model.lag_s, model.gain], actuator),
-            guard: raw.guard.map_or(WorldGuard::Off, |guard| self.guard(guard)),
         }
     }
 

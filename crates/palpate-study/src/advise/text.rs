@@ -46,11 +46,39 @@ impl Advice {
             digits(contact.kappa),
             digits(contact.object_kappa)
         );
+        let mut answer = self.verdict_in_words(&what);
+        if let (Verdict::Yes { .. }, Some((method, nearer))) = (self.verdict, self.nearer()) {
+            answer.push_str(&format!(
+                " It needs no tuning; {} has a smaller error, {} %.",
+                with_damping(method, nearer.damping_n_s_per_m),
+                nearer.error_percent[1].map_or_else(|| "-".into(), percent)
+            ));
+        }
+        if let Some(reason) = self.reason_against_coupled() {
+            answer.push_str(&reason);
+        }
+        if contact.force_per_count_n > 0.0 {
+            answer.push_str(&format!(
+                " One count of the encoder is {} N.",
+                digits(contact.force_per_count_n)
+            ));
+        }
+        answer.push_str(&format!(
+            " Within the {} s for which a force is held, the ideal force changes: no held force is nearer to it than \
+             the hold bound, {} %.",
+            self.device.period_s,
+            percent(contact.hold_bound_percent)
+        ));
+        answer
+    }
+
+    /// Returns the verdict on `what`, the contact in words.
+    fn verdict_in_words(&self, what: &str) -> String {
         let error = self
             .chosen()
             .and_then(|(_, evaluated)| evaluated.error_percent[1])
             .map_or_else(|| "-".into(), percent);
-        let mut answer = match self.verdict {
+        match self.verdict {
             Verdict::Yes {
                 method,
                 damping_n_s_per_m,
@@ -118,30 +146,7 @@ impl Advice {
                 )
             }
             Verdict::NotAsked => self.reach_in_words(),
-        };
-        if let (Verdict::Yes { .. }, Some((method, nearer))) = (self.verdict, self.nearer()) {
-            answer.push_str(&format!(
-                " It needs no tuning; {} has a smaller error, {} %.",
-                with_damping(method, nearer.damping_n_s_per_m),
-                nearer.error_percent[1].map_or_else(|| "-".into(), percent)
-            ));
         }
-        if let Some(reason) = self.reason_against_coupled() {
-            answer.push_str(&reason);
-        }
-        if contact.force_per_count_n > 0.0 {
-            answer.push_str(&format!(
-                " One count of the encoder is {} N.",
-                digits(contact.force_per_count_n)
-            ));
-        }
-        answer.push_str(&format!(
-            " Within the {} s for which a force is held, the ideal force changes: no held force is nearer to it than \
-             the hold bound, {} %.",
-            self.device.period_s,
-            percent(contact.hold_bound_percent)
-        ));
-        answer
     }
 
     /// Returns why another method than coupled rendering is recommended despite its larger force error: coupled

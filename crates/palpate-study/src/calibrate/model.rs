@@ -141,59 +141,10 @@ const V2: usize = 7;
 pub fn sampled(kind: Kind, point: &Point, period: f64) -> Sampled {
     let t = period;
     let states = kind.states();
-    let mobility = point[at::LN_MOBILITY].exp() * t * t / LENGTH;
     let tau = lag(point);
     let delay = (point[at::DELAY_PLUS_LAG] - tau).max(0.0);
     let tau = tau.max(MIN_LAG);
-    let damping = point[at::DAMPING] * t;
-    let stiffness = point[at::STIFFNESS] * t * t;
-    let level = |at: usize| point[at].clamp(-60.0, 40.0).exp();
-
-    let mut a = DMatrix::<f64>::zeros(states, states);
-    let mut noise = DMatrix::<f64>::zeros(states, states);
-    a[(X, V)] = 1.0;
-    a[(Y, Y)] = -1.0 / tau;
-    a[(A, A)] = -DISTURBANCE_DECAY * t;
-    let [low, high] = TREMOR.map(f64::ln);
-    let w = std::f64::consts::TAU * point[at::LN_TREMOR_FREQUENCY].clamp(low, high).exp() * t;
-    let z = point[at::LN_TREMOR_DAMPING].exp().clamp(0.01, 0.5);
-    a[(O, O + 1)] = 1.0;
-    a[(O + 1, O)] = -w * w;
-    a[(O + 1, O + 1)] = -2.0 * z * w;
-    noise[(A, A)] = level(at::LN_DISTURBANCE);
-    noise[(O + 1, O + 1)] = level(at::LN_TREMOR);
-    let push = match kind {
-        Kind::Rigid => {
-            a[(V, X)] = -stiffness;
-            a[(V, V)] = -damping;
-            a[(V, Y)] = mobility;
-            a[(V, A)] = 1.0;
-            a[(V, O)] = 1.0;
-            noise[(V, V)] = level(at::LN_ACCELERATION);
-            1.0
-        }
-        Kind::Flexible => {
-            let second = 1.0 / (1.0 + (-point[at::LOGIT_FRACTION]).exp());
-            let first = 1.0 - second;
-            let w = point[at::LN_ANTIRESONANCE].exp() * t;
-            let spring = second * w * w;
-            let damper = 2.0 * point[at::FLEXIBLE_DAMPING].max(0.0) * w * second;
-            a[(X2, V2)] = 1.0;
-            a[(V, X)] = -spring / first;
-            a[(V, X2)] = spring / first;
-            a[(V, V)] = -damper / first;
-            a[(V, V2)] = damper / first;
-            a[(V, Y)] = mobility / first;
-            a[(V2, X)] = spring / second;
-            a[(V2, X2)] = -(spring + stiffness) / second;
-            a[(V2, V)] = damper / second;
-            a[(V2, V2)] = -(damper + damping) / second;
-            a[(V2, A)] = 1.0 / second;
-            a[(V2, O)] = 1.0 / second;
-            noise[(V, V)] = level(at::LN_ACCELERATION) / (first * first);
-            1.0 / first
-        }
-    };
+    let Continuous { a, noise, push } = Continuous::of(kind, point, period, tau);
 
     let mut inputs = DMatrix::<f64>::zeros(states + 2, states + 2);
     inputs.view_mut((0, 0), (states, states)).copy_from(&a);
@@ -222,6 +173,75 @@ pub fn sampled(kind: Kind, point: &Point, period: f64) -> Sampled {
         friction: point[at::FRICTION],
         cogging: at::COGGING.map(|at| point[at]),
         noise: noise_of_period(&a, &noise),
+    }
+}
+
+/// The model as differential equations.
+struct Continuous {
+    /// Rates of the states, per period.
+    a: DMatrix<f64>,
+    /// Density of the noise, over the variance of the sensor.
+    noise: DMatrix<f64>,
+    /// Mass of the whole over the first mass.
+    push: f64,
+}
+
+impl Continuous {
+    /// Returns the equations of `point` for a period of `period` `[s]` and a lag of `tau` `[periods]`.
+    fn of(kind: Kind, point: &Point, period: f64, tau: f64) -> Self {
+        let t = period;
+        let states = kind.states();
+        let mobility = point[at::LN_MOBILITY].exp() * t * t / LENGTH;
+        let damping = point[at::DAMPING] * t;
+        let stiffness = point[at::STIFFNESS] * t * t;
+        let level = |at: usize| point[at].clamp(-60.0, 40.0).exp();
+
+        let mut a = DMatrix::<f64>::zeros(states, states);
+        let mut noise = DMatrix::<f64>::zeros(states, states);
+        a[(X, V)] = 1.0;
+        a[(Y, Y)] = -1.0 / tau;
+        a[(A, A)] = -DISTURBANCE_DECAY * t;
+        let [low, high] = TREMOR.map(f64::ln);
+        let w = std::f64::consts::TAU * point[at::LN_TREMOR_FREQUENCY].clamp(low, high).exp() * t;
+        let z = point[at::LN_TREMOR_DAMPING].exp().clamp(0.01, 0.5);
+        a[(O, O + 1)] = 1.0;
+        a[(O + 1, O)] = -w * w;
+        a[(O + 1, O + 1)] = -2.0 * z * w;
+        noise[(A, A)] = level(at::LN_DISTURBANCE);
+        noise[(O + 1, O + 1)] = level(at::LN_TREMOR);
+        let push = match kind {
+            Kind::Rigid => {
+                a[(V, X)] = -stiffness;
+                a[(V, V)] = -damping;
+                a[(V, Y)] = mobility;
+                a[(V, A)] = 1.0;
+                a[(V, O)] = 1.0;
+                noise[(V, V)] = level(at::LN_ACCELERATION);
+                1.0
+            }
+            Kind::Flexible => {
+                let second = 1.0 / (1.0 + (-point[at::LOGIT_FRACTION]).exp());
+                let first = 1.0 - second;
+                let w = point[at::LN_ANTIRESONANCE].exp() * t;
+                let spring = second * w * w;
+                let damper = 2.0 * point[at::FLEXIBLE_DAMPING].max(0.0) * w * second;
+                a[(X2, V2)] = 1.0;
+                a[(V, X)] = -spring / first;
+                a[(V, X2)] = spring / first;
+                a[(V, V)] = -damper / first;
+                a[(V, V2)] = damper / first;
+                a[(V, Y)] = mobility / first;
+                a[(V2, X)] = spring / second;
+                a[(V2, X2)] = -(spring + stiffness) / second;
+                a[(V2, V)] = damper / second;
+                a[(V2, V2)] = -(damper + damping) / second;
+                a[(V2, A)] = 1.0 / second;
+                a[(V2, O)] = 1.0 / second;
+                noise[(V, V)] = level(at::LN_ACCELERATION) / (first * first);
+                1.0 / first
+            }
+        };
+        Self { a, noise, push }
     }
 }
 

@@ -16,16 +16,15 @@ const FIT: &str = "fit to the motion under random force steps";
 
 impl Fitted {
     pub(crate) fn new(fit: &Fit, period: f64, quantum: Option<f64>) -> Self {
-        let mut calibration = Calibration::default();
-        let mut set = |quantity, value: f64, deviation, by: String| {
-            calibration.set(quantity, Known::found(value, deviation, by));
+        let mut fitted = Self {
+            calibration: Calibration::default(),
         };
         let (point, sd) = (&fit.point, &fit.deviation);
-        set(Quantity::Period, period, 0.0, "given".into());
+        fitted.set(Quantity::Period, period, 0.0, "given".into());
 
         let mass = (-point[at::LN_MOBILITY]).exp();
         let of_mass = sd[at::LN_MOBILITY];
-        set(
+        fitted.set(
             Quantity::DeviceMass,
             mass,
             mass * of_mass,
@@ -33,7 +32,37 @@ impl Fitted {
                 "{FIT}: mass over gain, with gain 1; includes the part of the hand that moves with it"
             ),
         );
+        fitted.set_delay_and_lag(fit, period);
+        fitted.set_forces(fit, mass, of_mass);
+        if fit.is_flexible() {
+            fitted.set_resonance(fit);
+        }
+        if let Some(quantum) = quantum {
+            fitted.set(
+                Quantity::SensorQuantum,
+                quantum,
+                1e-3 * quantum,
+                "smallest step between positions".into(),
+            );
+        }
+        fitted.set(
+            Quantity::SensorNoise,
+            fit.sensor_noise,
+            fit.sensor_noise / (2.0 * fit.count as f64).sqrt(),
+            format!("{FIT}: uncorrelated part of the residual"),
+        );
+        fitted
+    }
 
+    /// Sets a quantity with its standard deviation, in the unit of its key, and its source.
+    fn set(&mut self, quantity: Quantity, value: f64, deviation: f64, by: String) {
+        self.calibration
+            .set(quantity, Known::found(value, deviation, by));
+    }
+
+    /// Sets the delay, the lag and their sum at `period` `[s]`.
+    fn set_delay_and_lag(&mut self, fit: &Fit, period: f64) {
+        let (point, sd) = (&fit.point, &fit.deviation);
         let sum = point[at::DELAY_PLUS_LAG];
         let of_sum = sd[at::DELAY_PLUS_LAG];
         let lag = model::lag(point);
@@ -43,30 +72,34 @@ impl Fitted {
             .min(of_square.sqrt())
             .min(sum);
         let together = "the sum of delay and lag is more accurate: see delay_plus_lag_s";
-        set(
+        self.set(
             Quantity::Delay,
             (sum - lag) * period,
             of_sum.hypot(of_lag) * period,
             format!("{FIT}; {together}"),
         );
-        set(
+        self.set(
             Quantity::Lag,
             lag * period,
             of_lag * period,
             format!("{FIT}; {together}"),
         );
-        set(
+        self.set(
             Quantity::DelayPlusLag,
             sum * period,
             of_sum * period,
             FIT.into(),
         );
+    }
 
+    /// Sets friction and hand stiffness, for a `mass` `[kg]` with the relative standard deviation `of_mass`.
+    fn set_forces(&mut self, fit: &Fit, mass: f64, of_mass: f64) {
+        let (point, sd) = (&fit.point, &fit.deviation);
         // A force over the mass times the mass: both deviations count.
         let mut force = |quantity, at: usize, by: &str| {
             let value = point[at] * mass;
             let deviation = (sd[at] * mass).hypot(value * of_mass);
-            set(quantity, value.max(0.0), deviation, format!("{FIT}{by}"));
+            self.set(quantity, value.max(0.0), deviation, format!("{FIT}{by}"));
         };
         force(
             Quantity::ViscousFriction,
@@ -83,36 +116,21 @@ impl Fitted {
             at::STIFFNESS,
             ", in commanded newtons",
         );
+    }
 
-        if fit.is_flexible() {
-            let fraction = fit.fraction();
-            let of_fraction = sd[at::LOGIT_FRACTION] * fraction * (1.0 - fraction);
-            let hertz = fit.resonance();
-            // ln f = ln f_alone - ln(1 - fraction) / 2.
-            let of_hertz =
-                hertz * sd[at::LN_ANTIRESONANCE].hypot(0.5 * of_fraction / (1.0 - fraction));
-            let by = format!("{FIT}; two masses fit better than one");
-            set(Quantity::Resonance, hertz, of_hertz, by.clone());
-            let ratio = point[at::FLEXIBLE_DAMPING] / (1.0 - fraction).sqrt();
-            let of_ratio = sd[at::FLEXIBLE_DAMPING] / (1.0 - fraction).sqrt();
-            set(Quantity::ResonanceDampingRatio, ratio, of_ratio, by.clone());
-            set(Quantity::FlexibleMassFraction, fraction, of_fraction, by);
-        }
-
-        if let Some(quantum) = quantum {
-            set(
-                Quantity::SensorQuantum,
-                quantum,
-                1e-3 * quantum,
-                "smallest step between positions".into(),
-            );
-        }
-        set(
-            Quantity::SensorNoise,
-            fit.sensor_noise,
-            fit.sensor_noise / (2.0 * fit.count as f64).sqrt(),
-            format!("{FIT}: uncorrelated part of the residual"),
-        );
-        Self { calibration }
+    /// Sets the resonance of a flexible device, its damping ratio and its mass fraction.
+    fn set_resonance(&mut self, fit: &Fit) {
+        let (point, sd) = (&fit.point, &fit.deviation);
+        let fraction = fit.fraction();
+        let of_fraction = sd[at::LOGIT_FRACTION] * fraction * (1.0 - fraction);
+        let hertz = fit.resonance();
+        // ln f = ln f_alone - ln(1 - fraction) / 2.
+        let of_hertz = hertz * sd[at::LN_ANTIRESONANCE].hypot(0.5 * of_fraction / (1.0 - fraction));
+        let by = format!("{FIT}; two masses fit better than one");
+        self.set(Quantity::Resonance, hertz, of_hertz, by.clone());
+        let ratio = point[at::FLEXIBLE_DAMPING] / (1.0 - fraction).sqrt();
+        let of_ratio = sd[at::FLEXIBLE_DAMPING] / (1.0 - fraction).sqrt();
+        self.set(Quantity::ResonanceDampingRatio, ratio, of_ratio, by.clone());
+        self.set(Quantity::FlexibleMassFraction, fraction, of_fraction, by);
     }
 }

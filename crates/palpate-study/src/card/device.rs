@@ -3,6 +3,7 @@
 use super::file_name;
 use crate::calibrate::Quantity;
 use palpate_record::recording::Recording;
+use palpate_scene::{Scene, SceneDevice};
 use serde::Serialize;
 
 use super::{CardError, Sources};
@@ -95,84 +96,17 @@ impl DeviceCard {
         refuse_several(&metadata)?;
         let first = metadata.first();
         let named = first.and_then(|metadata| metadata.name());
-        let (name, name_from) = match (sources.name, named, sources.device_file) {
-            (Some(name), ..) => (name.to_owned(), "--name".to_owned()),
-            (None, Some(name), _) => {
-                let path = first.map(|metadata| file_name(metadata.recording.path()));
-                (name.to_owned(), path.unwrap_or_default())
-            }
-            (None, None, Some((path, _))) => (format!("device of {path}"), path.to_owned()),
-            (None, None, None) => ("unnamed device".into(), "no --name was given".into()),
-        };
-        let mut numbers = Vec::new();
-        let mut put = |number: Option<NumberCard>| numbers.extend(number);
-        let of_file = |quantity: Quantity| {
-            let (path, calibration) = sources.device_file?;
-            let known = calibration.known.get(&quantity)?;
-            Some(NumberCard {
-                key: quantity.key(),
-                value: known.value,
-                standard_deviation: known.standard_deviation,
-                source: format!("device file {path}"),
-            })
-        };
-        let model_value = |key: &'static str| {
-            let metadata = first?;
-            let value = *model(metadata.recording).get(key)?;
-            metadata.said(key, value, "the renderer's model in")
-        };
+        let (name, name_from) = name_of(sources, first);
         let scene = first.and_then(|metadata| scene_of(metadata.recording).ok());
         let scene = scene.map(|file| file.scene);
-        let period_of_scene = || {
-            let period = scene.as_ref()?.loop_params.period;
-            first?.said("period_s", period, "the scene of")
-        };
-        put(sources
-            .period
-            .map(|value| NumberCard {
-                key: "period_s",
-                value,
-                standard_deviation: None,
-                source: "--period".into(),
-            })
-            .or_else(period_of_scene)
-            .or_else(|| of_file(Quantity::Period)));
-        put(of_file(Quantity::DeviceMass).or_else(|| model_value("device_mass_kg")));
-        let delay = of_file(Quantity::Delay).or_else(|| {
-            // If only the sum of delay and lag is known, the sum is the better delay.
-            Some(NumberCard {
-                key: Quantity::Delay.key(),
-                ..of_file(Quantity::DelayPlusLag)?
-            })
-        });
-        let of_a_file = delay.is_some();
-        put(delay.or_else(|| model_value("delay_s")));
-        put(of_file(Quantity::Lag).or_else(|| model_value("lag_s").filter(|_| !of_a_file)));
-        put(of_file(Quantity::Gain).or_else(|| model_value("gain")));
         let is_simulated = named == Some(SIMULATED);
-        let simulated = |key: &'static str, value: fn(&palpate_scene::SceneDevice) -> f64| {
-            let scene = scene.as_ref().filter(|_| is_simulated)?;
-            first?.said(key, value(&scene.device), "the simulated device of")
+        let found = Found {
+            sources,
+            first,
+            scene: scene.as_ref(),
+            is_simulated,
         };
-        put(of_file(Quantity::ViscousFriction).or_else(|| {
-            simulated(Quantity::ViscousFriction.key(), |device| {
-                device.viscous_friction()
-            })
-        }));
-        put(of_file(Quantity::CoulombFriction).or_else(|| {
-            simulated(Quantity::CoulombFriction.key(), |device| {
-                device.coulomb_friction()
-            })
-        }));
-        put(of_file(Quantity::SensorQuantum)
-            .or_else(|| first?.number("encoder_quantum_m", Quantity::SensorQuantum.key()))
-            .or_else(|| {
-                simulated(Quantity::SensorQuantum.key(), |device| {
-                    device.encoder_quantum()
-                })
-            }));
-        put(of_file(Quantity::Resonance));
-        put(first.and_then(|metadata| metadata.number("largest_force_n", "largest_force_n")));
+        let numbers = found.numbers();
         let holds = first.and_then(|metadata| metadata.device.get("holds_last_force")?.as_bool());
         Ok(Self {
             name,
@@ -194,6 +128,128 @@ impl DeviceCard {
     #[must_use]
     pub fn number(&self, key: &str) -> Option<&NumberCard> {
         self.numbers.iter().find(|number| number.key == key)
+    }
+}
+
+/// Returns the name of the device and the source of the name.
+fn name_of(sources: &Sources<'_>, first: Option<&RecordingMetadata<'_>>) -> (String, String) {
+    let named = first.and_then(|metadata| metadata.name());
+    match (sources.name, named, sources.device_file) {
+        (Some(name), ..) => (name.to_owned(), "--name".to_owned()),
+        (None, Some(name), _) => {
+            let path = first.map(|metadata| file_name(metadata.recording.path()));
+            (name.to_owned(), path.unwrap_or_default())
+        }
+        (None, None, Some((path, _))) => (format!("device of {path}"), path.to_owned()),
+        (None, None, None) => ("unnamed device".into(), "no --name was given".into()),
+    }
+}
+
+/// Sources of the properties of a device.
+struct Found<'a> {
+    sources: &'a Sources<'a>,
+    /// Metadata of the first recording.
+    first: Option<&'a RecordingMetadata<'a>>,
+    /// Scene of the first recording.
+    scene: Option<&'a Scene>,
+    is_simulated: bool,
+}
+
+impl Found<'_> {
+    /// Returns the known properties, each from its best source.
+    fn numbers(&self) -> Vec<NumberCard> {
+        let first = self.first;
+        let mut numbers = Vec::new();
+        let mut put = |number: Option<NumberCard>| numbers.extend(number);
+        put(self
+            .given_period()
+            .or_else(|| self.period_of_scene())
+            .or_else(|| self.of_file(Quantity::Period)));
+        put(self
+            .of_file(Quantity::DeviceMass)
+            .or_else(|| self.of_model("device_mass_kg")));
+        let delay = self.of_file(Quantity::Delay).or_else(|| {
+            // If only the sum of delay and lag is known, the sum is the better delay.
+            Some(NumberCard {
+                key: Quantity::Delay.key(),
+                ..self.of_file(Quantity::DelayPlusLag)?
+            })
+        });
+        let of_a_file = delay.is_some();
+        put(delay.or_else(|| self.of_model("delay_s")));
+        put(self
+            .of_file(Quantity::Lag)
+            .or_else(|| self.of_model("lag_s").filter(|_| !of_a_file)));
+        put(self
+            .of_file(Quantity::Gain)
+            .or_else(|| self.of_model("gain")));
+        put(self.of_file(Quantity::ViscousFriction).or_else(|| {
+            self.of_simulated(Quantity::ViscousFriction.key(), |device| {
+                device.viscous_friction()
+            })
+        }));
+        put(self.of_file(Quantity::CoulombFriction).or_else(|| {
+            self.of_simulated(Quantity::CoulombFriction.key(), |device| {
+                device.coulomb_friction()
+            })
+        }));
+        put(self
+            .of_file(Quantity::SensorQuantum)
+            .or_else(|| first?.number("encoder_quantum_m", Quantity::SensorQuantum.key()))
+            .or_else(|| {
+                self.of_simulated(Quantity::SensorQuantum.key(), |device| {
+                    device.encoder_quantum()
+                })
+            }));
+        put(self.of_file(Quantity::Resonance));
+        put(first.and_then(|metadata| metadata.number("largest_force_n", "largest_force_n")));
+        numbers
+    }
+
+    /// Returns the stated period.
+    fn given_period(&self) -> Option<NumberCard> {
+        self.sources.period.map(|value| NumberCard {
+            key: "period_s",
+            value,
+            standard_deviation: None,
+            source: "--period".into(),
+        })
+    }
+
+    /// Returns the period of the scene of the first recording.
+    fn period_of_scene(&self) -> Option<NumberCard> {
+        let period = self.scene?.loop_params.period;
+        self.first?.said("period_s", period, "the scene of")
+    }
+
+    /// Returns a quantity of the device file.
+    fn of_file(&self, quantity: Quantity) -> Option<NumberCard> {
+        let (path, calibration) = self.sources.device_file?;
+        let known = calibration.known.get(&quantity)?;
+        Some(NumberCard {
+            key: quantity.key(),
+            value: known.value,
+            standard_deviation: known.standard_deviation,
+            source: format!("device file {path}"),
+        })
+    }
+
+    /// Returns a value of the renderer's model in the first recording.
+    fn of_model(&self, key: &'static str) -> Option<NumberCard> {
+        let metadata = self.first?;
+        let value = *model(metadata.recording).get(key)?;
+        metadata.said(key, value, "the renderer's model in")
+    }
+
+    /// Returns a property of the simulated device, if the device is simulated.
+    fn of_simulated(
+        &self,
+        key: &'static str,
+        value: fn(&SceneDevice) -> f64,
+    ) -> Option<NumberCard> {
+        let scene = self.scene.filter(|_| self.is_simulated)?;
+        self.first?
+            .said(key, value(&scene.device), "the simulated device of")
     }
 }
 

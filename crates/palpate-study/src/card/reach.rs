@@ -120,111 +120,28 @@ impl ReachCard {
         methods: &[MethodName],
         done: impl Fn() + Sync,
     ) -> Result<Option<Self>, BounceError> {
-        let (Some(mass), Some(period)) = (device.value("device_mass_kg"), device.value("period_s"))
-        else {
-            return Ok(None);
-        };
         let begun = Instant::now();
-        let mut assumed = Vec::new();
-        let mut known = |key: &'static str| {
-            device.value(key).unwrap_or_else(|| {
-                assumed.push(key);
-                0.0
-            })
-        };
-        // The renderer divides every command by the modelled gain, so the limits do not depend on it.
-        let (delay, lag) = (known("delay_s"), known("lag_s"));
-        let viscous = known("viscous_friction_n_s_per_m");
-        let quantum = known("sensor_quantum_m");
-        let map = MapParams::default();
-        let bounce = Bounce {
-            device: BounceDevice {
-                mass,
-                viscous_friction: viscous,
-                coulomb_friction: 0.0,
-                encoder_quantum: quantum,
-                model_mass: 1.0,
-            },
-            stiffness,
-            object_mass: f64::INFINITY,
-            forces: map.forces,
-            gap: map.gap,
-            period,
-            model_period: 1.0,
-            delay: delay / period,
-            lag,
-            model: *deviations,
-        };
-        let per_kappa = mass / (period * period);
-        let heaviest = stiffness * period * period;
-        let searched = steps(SEARCHED, PER_DECADE);
-        let stiffer = |object_mass: f64| {
-            move |kappa: f64| {
-                let stiffness = kappa * per_kappa;
-                let bounce = Bounce {
-                    stiffness,
-                    object_mass,
-                    ..bounce
-                };
-                (stiffness, bounce)
-            }
-        };
-        let lighter = |object_kappa: f64| {
-            let object_mass = heaviest / object_kappa;
-            let bounce = Bounce {
-                object_mass,
-                ..bounce
-            };
-            (object_mass, bounce)
+        let Some(properties) = Properties::of(device) else {
+            return Ok(None);
         };
         let masses: Vec<f64> = steps(MASSES, MASSES_PER_DECADE)
             .iter()
-            .map(|share| share * mass)
+            .map(|share| share * properties.mass)
             .collect();
-        let lines = Self::lines();
-        let tasks: Vec<(MethodName, usize)> = methods
-            .iter()
-            .flat_map(|method| (0..lines).map(|line| (*method, line)))
-            .collect();
-        let found: Vec<Limits> = tasks
-            .into_par_iter()
-            .map(|(method, line)| {
-                let object_mass = line.checked_sub(2).map_or(f64::INFINITY, |at| masses[at]);
-                let stiffer = stiffer(object_mass);
-                let line = Line {
-                    hardness: &searched,
-                    of: if line == 1 { &lighter } else { &stiffer },
-                    halvings: if line < 2 { HALVINGS } else { 0 },
-                };
-                let limits = line.limits(|bounce, ask_good| evaluate(bounce, method, ask_good));
-                done();
-                limits
-            })
-            .collect::<Result<_, _>>()?;
-        let of_methods = methods.iter().zip(found.chunks(lines)).map(|(method, of)| {
-            let all = |limit: fn(&Limits) -> Reach| of[2..].iter().map(limit).collect();
-            MethodReachCard {
-                method: method.name(),
-                stable_wall_n_per_m: of[0].stable,
-                good_wall_n_per_m: of[0].good,
-                stable_object_kg: of[1].stable,
-                good_object_kg: of[1].good,
-                stable_n_per_m: all(|limits| limits.stable),
-                good_n_per_m: all(|limits| limits.good),
-            }
-        });
-        let methods = of_methods.collect();
+        let bounce = properties.bounce(deviations, stiffness);
+        let found = search_limits(&bounce, &masses, methods, done)?;
+        let methods = method_cards(methods, &found);
         let step = 10.0_f64.powf(1.0 / f64::from(PER_DECADE));
         Ok(Some(Self {
-            device_mass_kg: mass,
-            period_s: period,
-            delay_s: delay,
-            lag_s: lag,
+            device_mass_kg: properties.mass,
+            period_s: properties.period,
+            delay_s: properties.delay,
+            lag_s: properties.lag,
             delay_deviation_s: deviations.delay_deviation.unwrap_or(0.0),
             lag_deviation_s: deviations.lag_deviation.unwrap_or(0.0),
-            viscous_friction_n_s_per_m: viscous,
-            sensor_quantum_m: quantum,
-            assumed,
+            viscous_friction_n_s_per_m: properties.viscous,
+            sensor_quantum_m: properties.quantum,
+            assumed: properties.assumed,
             searched: [SEARCHED.0, SEARCHED.1],
             step,
             finest_step: step.powf(0.5_f64.powi(HALVINGS.cast_signed())),
@@ -237,6 +154,148 @@ impl ReachCard {
             computed_in_s: begun.elapsed().as_secs_f64(),
         }))
     }
+}
+
+/// Properties of a device that the limits depend on.
+struct Properties {
+    /// Mass of the device `[kg]`.
+    mass: f64,
+    /// Period of its loop `[s]`.
+    period: f64,
+    /// Delay of its loop `[s]`.
+    delay: f64,
+    /// Lag of its motor `[s]`.
+    lag: f64,
+    /// Viscous friction `[N s/m]`.
+    viscous: f64,
+    /// Quantum of its position sensor `[m]`.
+    quantum: f64,
+    /// Keys of unknown properties, assumed to be 0.
+    assumed: Vec<&'static str>,
+}
+
+impl Properties {
+    /// Returns the properties of `device`; `None` if its mass or its period is unknown.
+    fn of(device: &DeviceCard) -> Option<Self> {
+        let (Some(mass), Some(period)) = (device.value("device_mass_kg"), device.value("period_s"))
+        else {
+            return None;
+        };
+        let mut assumed = Vec::new();
+        let mut known = |key: &'static str| {
+            device.value(key).unwrap_or_else(|| {
+                assumed.push(key);
+                0.0
+            })
+        };
+        // The renderer divides every command by the modelled gain, so the limits do not depend on it.
+        let (delay, lag) = (known("delay_s"), known("lag_s"));
+        let viscous = known("viscous_friction_n_s_per_m");
+        let quantum = known("sensor_quantum_m");
+        Some(Self {
+            mass,
+            period,
+            delay,
+            lag,
+            viscous,
+            quantum,
+            assumed,
+        })
+    }
+
+    /// Returns the bounce of a wall of `stiffness` `[N/m]` on the device.
+    fn bounce(&self, deviations: &Model, stiffness: f64) -> Bounce {
+        let map = MapParams::default();
+        Bounce {
+            device: BounceDevice {
+                mass: self.mass,
+                viscous_friction: self.viscous,
+                coulomb_friction: 0.0,
+                encoder_quantum: self.quantum,
+                model_mass: 1.0,
+            },
+            stiffness,
+            object_mass: f64::INFINITY,
+            forces: map.forces,
+            gap: map.gap,
+            period: self.period,
+            model_period: 1.0,
+            delay: self.delay / self.period,
+            lag: self.lag,
+            model: *deviations,
+        }
+    }
+}
+
+/// Searches the limits of every line of every method, in this order: the wall, the object at the stiffness of `bounce`,
+/// then the object masses `[kg]`. Calls `done` after each line.
+fn search_limits(
+    bounce: &Bounce,
+    masses: &[f64],
+    methods: &[MethodName],
+    done: impl Fn() + Sync,
+) -> Result<Vec<Limits>, BounceError> {
+    let bounce = *bounce;
+    let (mass, period) = (bounce.device.mass, bounce.period);
+    let per_kappa = mass / (period * period);
+    let heaviest = bounce.stiffness * period * period;
+    let searched = steps(SEARCHED, PER_DECADE);
+    let stiffer = |object_mass: f64| {
+        move |kappa: f64| {
+            let stiffness = kappa * per_kappa;
+            let bounce = Bounce {
+                stiffness,
+                object_mass,
+                ..bounce
+            };
+            (stiffness, bounce)
+        }
+    };
+    let lighter = |object_kappa: f64| {
+        let object_mass = heaviest / object_kappa;
+        let bounce = Bounce {
+            object_mass,
+            ..bounce
+        };
+        (object_mass, bounce)
+    };
+    let tasks: Vec<(MethodName, usize)> = methods
+        .iter()
+        .flat_map(|method| (0..ReachCard::lines()).map(|line| (*method, line)))
+        .collect();
+    tasks
+        .into_par_iter()
+        .map(|(method, line)| {
+            let object_mass = line.checked_sub(2).map_or(f64::INFINITY, |at| masses[at]);
+            let stiffer = stiffer(object_mass);
+            let line = Line {
+                hardness: &searched,
+                of: if line == 1 { &lighter } else { &stiffer },
+                halvings: if line < 2 { HALVINGS } else { 0 },
+            };
+            let limits = line.limits(|bounce, ask_good| evaluate(bounce, method, ask_good));
+            done();
+            limits
+        })
+        .collect()
+}
+
+/// Returns the limits of each method from those of all lines.
+fn method_cards(methods: &[MethodName], found: &[Limits]) -> Vec<MethodReachCard> {
+    let of_methods = found.chunks(ReachCard::lines());
+    let of_methods = methods.iter().zip(of_methods).map(|(method, of)| {
+        let all = |limit: fn(&Limits) -> Reach| of[2..].iter().map(limit).collect();
+        MethodReachCard {
+            method: method.name(),
+            stable_wall_n_per_m: of[0].stable,
+            good_wall_n_per_m: of[0].good,
+            stable_object_kg: of[1].stable,
+            good_object_kg: of[1].good,
+            stable_n_per_m: all(|limits| limits.stable),
+            good_n_per_m: all(|limits| limits.good),
+        }
+    });
+    of_methods.collect()
 }
 
 /// Returns logarithmically spaced values from the first to the last.

@@ -100,7 +100,6 @@ impl MapJob<'_> {
         let metadata = metadata::of(self.params, self.part);
         let head = metadata::line(&metadata);
         let journal_path = journal_of(self.out);
-        let mut done = BTreeMap::new();
         // Lock first, so that no other process changes the files after they are read.
         let found = Journal::open(&journal_path)?;
         if let Some(why) = &found.unlocked {
@@ -122,13 +121,55 @@ impl MapJob<'_> {
             // The file may have been created since the first check.
             check(self.out, Existing::Keep)?;
         }
-        match found.head {
-            None => journal.begin(&head)?,
+        let mut done = self.begin_journal(&mut journal, found.head, &found.lines, &head)?;
+        let (number, of) = self.part;
+        let part = self.params.shard(number, of);
+        let whole = part.len();
+        let cells: Vec<usize> = part
+            .into_iter()
+            .filter(|cell| !done.contains_key(&(*cell as u64)))
+            .collect();
+        let computation = self.compute_cells(&cells, &mut journal, &mut done, stop, follower)?;
+        let kept = done.len();
+        let keeps = format!(
+            "{kept} of {whole} cells are kept in {}; continue with --resume",
+            journal_path.display()
+        );
+        if let Some(error) = computation.fault {
+            return Err(MapJobError::Unwritten { error, keeps });
+        }
+        if computation.ended == Done::Stopped {
+            return Err(MapJobError::Stopped(keeps));
+        }
+        Ok(Computed {
+            map: Map {
+                metadata,
+                rows: done.into_values().flatten().collect(),
+            },
+            speed: Some(computation.speed),
+            journal: Some(journal),
+            keeps,
+        })
+    }
+
+    /// Begins a new journal with `head`, or returns the rows of a resumed one per cell; `begun` and `lines` are its
+    /// present first line and the lines after it.
+    fn begin_journal(
+        &self,
+        journal: &mut Journal,
+        begun: Option<String>,
+        lines: &[String],
+        head: &str,
+    ) -> Result<CellRows, MapJobError> {
+        let journal_path = journal_of(self.out);
+        let mut done = BTreeMap::new();
+        match begun {
+            None => journal.begin(head)?,
             Some(_) if !self.is_resumed => {
                 return Err(MapJobError::Other(format!(
                     "{} contains {} cells of an interrupted map; continue with --resume, or delete it",
                     journal_path.display(),
-                    found.lines.len()
+                    lines.len()
                 )));
             }
             Some(begun) if begun != head => {
@@ -139,7 +180,7 @@ impl MapJob<'_> {
                 )));
             }
             Some(_) => {
-                for line in &found.lines {
+                for line in lines {
                     let rows = rows_of(line).map_err(|fault| {
                         MapJobError::Other(format!("{}: {fault}", journal_path.display()))
                     })?;
@@ -149,18 +190,22 @@ impl MapJob<'_> {
                 }
             }
         }
+        Ok(done)
+    }
 
-        let (number, of) = self.part;
-        let part = self.params.shard(number, of);
-        let whole = part.len();
-        let cells: Vec<usize> = part
-            .into_iter()
-            .filter(|cell| !done.contains_key(&(*cell as u64)))
-            .collect();
+    /// Computes `cells` and adds their rows to the journal and to `done`.
+    fn compute_cells(
+        &self,
+        cells: &[usize],
+        journal: &mut Journal,
+        done: &mut CellRows,
+        stop: &AtomicBool,
+        follower: &mut impl MapFollower,
+    ) -> Result<Computation, MapJobError> {
         follower.begin(cells.len());
         let start = Instant::now();
         let (mut ticks, mut fault) = (0, None);
-        let ended = compute(self.params, &cells, self.threads, stop, |result| {
+        let ended = compute(self.params, cells, self.threads, stop, |result| {
             ticks += result.ticks;
             let rows = result.rows(self.params);
             if let Err(error) = journal.append(&line_of(&rows)) {
@@ -173,32 +218,29 @@ impl MapJob<'_> {
         })?;
         let seconds = start.elapsed().as_secs_f64();
         follower.end();
-        let kept = done.len();
-        let keeps = format!(
-            "{kept} of {whole} cells are kept in {}; continue with --resume",
-            journal_path.display()
-        );
-        if let Some(error) = fault {
-            return Err(MapJobError::Unwritten { error, keeps });
-        }
-        if ended == Done::Stopped {
-            return Err(MapJobError::Stopped(keeps));
-        }
-        Ok(Computed {
-            map: Map {
-                metadata,
-                rows: done.into_values().flatten().collect(),
-            },
-            speed: Some(Speed {
+        Ok(Computation {
+            ended,
+            fault,
+            speed: Speed {
                 ticks,
                 seconds,
                 threads: self.threads,
-            }),
-            journal: Some(journal),
-            keeps,
+            },
         })
     }
 }
+
+/// Rows of each cell, by its index.
+type CellRows = BTreeMap<u64, Vec<Row>>;
+
+/// End of a computation of cells.
+struct Computation {
+    ended: Done,
+    /// Reason why a row could not be written to the journal.
+    fault: Option<JournalError>,
+    speed: Speed,
+}
+
 /// Returns the existing map at `out`, if it is this one.
 ///
 /// # Errors

@@ -345,12 +345,46 @@ impl MapReport {
 
 impl fmt::Display for MapReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let scene = &self.scene;
         let part = if self.shard == "1/1" {
             String::new()
         } else {
             format!(", part {}", self.shard)
         };
+        self.write_scene(f, &part)?;
+        if part.is_empty() {
+            self.write_bounces(f)?;
+            self.write_stays(f)?;
+        } else {
+            writeln!(
+                f,
+                "{} cells; join all parts with palpate map merge\n",
+                self.cells
+            )?;
+        }
+        if let Some(work) = &self.work {
+            writeln!(
+                f,
+                "{:.3e} ticks in {:.1} s on {}: {:.2e} ticks/s each\n",
+                work.ticks as f64,
+                work.seconds,
+                crate::text::counted(work.threads as f64, "thread"),
+                work.ticks_per_second_and_thread
+            )?;
+        }
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        for file in &self.kept {
+            writeln!(f, "kept the existing {file}")?;
+        }
+        Ok(())
+    }
+}
+
+impl MapReport {
+    /// Writes the range of the map and the scene common to its cells; `part` describes an incomplete map.
+    fn write_scene(&self, f: &mut fmt::Formatter<'_>, part: &str) -> fmt::Result {
+        let scene = &self.scene;
         let map = format!(
             "Map of kappa = K T²/m and Kc = K T²/M from 0.001 to 10, {n} x {n} cells and walls{part}",
             n = self.cells_per_axis
@@ -386,57 +420,35 @@ impl fmt::Display for MapReport {
                 forces.push_str(&format!("; {name} {value}"));
             }
         }
-        writeln!(f, "{}\n", wrapped(&forces))?;
-        if part.is_empty() {
-            let header = [
-                "method",
-                "device",
-                "stable %\nof cells",
-                "and\nE < 20 %",
-                "walls\nto kappa",
-                "and\nE < 20 %",
-                "Kc = 1\nto kappa",
-            ];
-            let mut table = plain_table(CellAlignment::Left, &header);
-            for method in &self.methods {
-                table.add_row(vec![
-                    (&*method.method).into(),
-                    comfy_table::Cell::new(method.plant).set_alignment(CellAlignment::Right),
-                    number(Some(method.stable_percent), percent),
-                    number(Some(method.faithful_percent), percent),
-                    number(method.stable_wall_kappa, digits),
-                    number(method.faithful_wall_kappa, digits),
-                    number(method.stable_light_object_kappa, digits),
-                ]);
-            }
-            writeln!(f, "{}\n", lines(&table))?;
-            let stable = "Stable: from every start height, energy grows by at most 1 % per collision. A dash: not \
-                          even the softest contact of the map.";
-            writeln!(f, "{}\n", legend(&[stable, E]))?;
-            self.write_stays(f)?;
-        } else {
-            writeln!(
-                f,
-                "{} cells; join all parts with palpate map merge\n",
-                self.cells
-            )?;
+        writeln!(f, "{}\n", wrapped(&forces))
+    }
+
+    /// Writes the stability and the force error of the bounces, method by method.
+    fn write_bounces(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let header = [
+            "method",
+            "device",
+            "stable %\nof cells",
+            "and\nE < 20 %",
+            "walls\nto kappa",
+            "and\nE < 20 %",
+            "Kc = 1\nto kappa",
+        ];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for method in &self.methods {
+            table.add_row(vec![
+                (&*method.method).into(),
+                comfy_table::Cell::new(method.plant).set_alignment(CellAlignment::Right),
+                number(Some(method.stable_percent), percent),
+                number(Some(method.faithful_percent), percent),
+                number(method.stable_wall_kappa, digits),
+                number(method.faithful_wall_kappa, digits),
+                number(method.stable_light_object_kappa, digits),
+            ]);
         }
-        if let Some(work) = &self.work {
-            writeln!(
-                f,
-                "{:.3e} ticks in {:.1} s on {}: {:.2e} ticks/s each\n",
-                work.ticks as f64,
-                work.seconds,
-                crate::text::counted(work.threads as f64, "thread"),
-                work.ticks_per_second_and_thread
-            )?;
-        }
-        for file in &self.files {
-            writeln!(f, "wrote {file}")?;
-        }
-        for file in &self.kept {
-            writeln!(f, "kept the existing {file}")?;
-        }
-        Ok(())
+        writeln!(f, "{}\n", lines(&table))?;
+        let stable = "Stable: from every start height, energy grows by at most 1 % per collision. A dash: not \
+                      even the softest contact of the map.";
+        writeln!(f, "{}\n", legend(&[stable, E]))
     }
 }

@@ -153,35 +153,11 @@ impl RecordingReport {
     /// # Errors
     /// The recording cannot be read.
     pub fn new(recording: &Recording) -> Result<Self, RecordingError> {
-        let mut flags = BTreeMap::new();
-        let mut events = BTreeMap::new();
-        let mut devices = DeviceFlags::default();
-        let [mut lateness, mut period, mut tick_duration, mut round_trip] = [None; 4];
-        let (mut missed_deadlines, mut created) = (0, None);
-        let entries = recording.entries()?;
-        for entry in entries {
-            match entry? {
-                Entry::Event(event) => {
-                    missed_deadlines += missed(&event);
-                    *events.entry(event.kind).or_insert(0) += 1;
-                }
-                Entry::Tick(tick, _, _, of_tick) => {
-                    devices.add(&of_tick);
-                    raise(&mut lateness, tick.lateness);
-                    raise(&mut period, tick.period);
-                    raise(&mut tick_duration, tick.tick_duration);
-                    raise(&mut round_trip, tick.device_round_trip);
-                    raise(&mut created, tick.created_energy);
-                    let set = Flags::NAMED
-                        .iter()
-                        .filter(|(flag, _)| tick.flags.has(*flag));
-                    for (_, name) in set {
-                        *flags.entry(*name).or_insert(0) += 1;
-                    }
-                }
-            }
-        }
-        let off = flags.get(Flags::SAFETY_STOPPED.names().as_str()).copied();
+        let totals = Totals::of(recording)?;
+        let off = totals
+            .flags
+            .get(Flags::SAFETY_STOPPED.names().as_str())
+            .copied();
         let off = off.unwrap_or(0);
         let ends = recording.first.zip(recording.last);
         let duration = ends.map(|(first, last)| last.time - first.time);
@@ -203,7 +179,7 @@ impl RecordingReport {
             ticks_lost: recording.lost(),
             events_lost: recording.lost_events(),
             unchecked: recording.unchecked,
-            devices: devices.reports(recording),
+            devices: totals.devices.reports(recording),
             lasted_s: time.map(|time| time.lasted.as_secs_f64()),
             motors_off_s: time.map(|time| time.motors_off.as_secs_f64()),
             time,
@@ -224,20 +200,72 @@ impl RecordingReport {
                 .zip(duration)
                 .map(|(steps, duration)| steps / duration)
                 .filter(|rate| rate.is_finite()),
-            missed_deadlines,
-            most_created_energy_j: created,
-            largest_lateness_s: lateness,
-            longest_period_s: period,
-            longest_tick_s: tick_duration,
-            longest_round_trip_s: round_trip,
+            missed_deadlines: totals.missed_deadlines,
+            most_created_energy_j: totals.created_energy,
+            largest_lateness_s: totals.lateness,
+            longest_period_s: totals.period,
+            longest_tick_s: totals.tick_duration,
+            longest_round_trip_s: totals.round_trip,
             model: model(recording),
             parameter_changes: recording.generation,
-            flags,
-            events,
+            flags: totals.flags,
+            events: totals.events,
             metadata_bytes: texts
                 .map(|(name, text)| (name.clone(), text.len()))
                 .collect(),
         })
+    }
+}
+
+/// Counts and maxima over all entries of a recording.
+#[derive(Default)]
+struct Totals {
+    /// Number of ticks per flag.
+    flags: BTreeMap<&'static str, u64>,
+    /// Number of events per kind.
+    events: BTreeMap<String, u64>,
+    devices: DeviceFlags,
+    missed_deadlines: u64,
+    /// Largest lateness of a sample `[s]`.
+    lateness: Option<f64>,
+    /// Longest time between two samples `[s]`.
+    period: Option<f64>,
+    /// Longest tick `[s]`.
+    tick_duration: Option<f64>,
+    /// Longest response time of the device `[s]`.
+    round_trip: Option<f64>,
+    /// Maximum generated energy `[J]`.
+    created_energy: Option<f64>,
+}
+
+impl Totals {
+    /// Reads the whole recording.
+    fn of(recording: &Recording) -> Result<Self, RecordingError> {
+        let mut totals = Self::default();
+        let entries = recording.entries()?;
+        for entry in entries {
+            match entry? {
+                Entry::Event(event) => {
+                    totals.missed_deadlines += missed(&event);
+                    *totals.events.entry(event.kind).or_insert(0) += 1;
+                }
+                Entry::Tick(tick, _, _, of_tick) => {
+                    totals.devices.add(&of_tick);
+                    raise(&mut totals.lateness, tick.lateness);
+                    raise(&mut totals.period, tick.period);
+                    raise(&mut totals.tick_duration, tick.tick_duration);
+                    raise(&mut totals.round_trip, tick.device_round_trip);
+                    raise(&mut totals.created_energy, tick.created_energy);
+                    let set = Flags::NAMED
+                        .iter()
+                        .filter(|(flag, _)| tick.flags.has(*flag));
+                    for (_, name) in set {
+                        *totals.flags.entry(*name).or_insert(0) += 1;
+                    }
+                }
+            }
+        }
+        Ok(totals)
     }
 }
 
@@ -317,6 +345,27 @@ impl fmt::Display for RecordingReport {
             writeln!(f, "{words}")?;
         }
         writeln!(f)?;
+        self.write_loop(f)?;
+        let total: u64 = self.events.values().sum();
+        writeln!(f, "{}", counted(total, "event"))?;
+        for (kind, count) in &self.events {
+            writeln!(f, "  {kind}: {count}")?;
+        }
+        writeln!(
+            f,
+            "{} in the metadata",
+            counted(self.metadata_bytes.len() as u64, "text")
+        )?;
+        for (name, bytes) in &self.metadata_bytes {
+            writeln!(f, "  {name}: {}", counted(*bytes as u64, "byte"))?;
+        }
+        Ok(())
+    }
+}
+
+impl RecordingReport {
+    /// Writes the ticks, the times and the flags of the loop, and the renderer's model.
+    fn write_loop(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let over = match (self.duration_s, self.rate_hz) {
             (Some(duration), Some(rate)) => {
                 format!(" over {duration:.3} s, {} Hz", digits(rate))
@@ -345,6 +394,18 @@ impl fmt::Display for RecordingReport {
         for (name, count) in &self.flags {
             writeln!(f, "  {name}: {count}")?;
         }
+        self.write_devices(f)?;
+        if self.parameter_changes > 0 {
+            writeln!(f, "  changes of parameters: {}", self.parameter_changes)?;
+        }
+        if let Some(words) = self.model_in_words() {
+            writeln!(f, "{words}")?;
+        }
+        Ok(())
+    }
+
+    /// Writes the flags of each device of several.
+    fn write_devices(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for device in &self.devices {
             let flags = device.flags.iter();
             let flags: Vec<_> = flags
@@ -356,25 +417,6 @@ impl fmt::Display for RecordingReport {
                 flags.join(", ")
             };
             writeln!(f, "  device {}: {said}", device.name)?;
-        }
-        if self.parameter_changes > 0 {
-            writeln!(f, "  changes of parameters: {}", self.parameter_changes)?;
-        }
-        if let Some(words) = self.model_in_words() {
-            writeln!(f, "{words}")?;
-        }
-        let total: u64 = self.events.values().sum();
-        writeln!(f, "{}", counted(total, "event"))?;
-        for (kind, count) in &self.events {
-            writeln!(f, "  {kind}: {count}")?;
-        }
-        writeln!(
-            f,
-            "{} in the metadata",
-            counted(self.metadata_bytes.len() as u64, "text")
-        )?;
-        for (name, bytes) in &self.metadata_bytes {
-            writeln!(f, "  {name}: {}", counted(*bytes as u64, "byte"))?;
         }
         Ok(())
     }

@@ -14,10 +14,36 @@ pub fn metadata(
     virtual_force: f64,
     runs: &[Run],
 ) -> Vec<(String, String)> {
+    let mut lines = subject_metadata(subject, object, virtual_force);
+    for (name, value) in timing_of(subject.delay, &subject.timing) {
+        lines.push((format!("loop_{name}"), value.to_string()));
+    }
+    if let Some(seed) = subject.seed
+        && lines.iter().all(|(name, _)| name != "loop_seed")
+    {
+        lines.push(("loop_seed".to_owned(), seed.to_string()));
+    }
+    for run in runs {
+        for (name, value) in parameters_of(&run.parameters) {
+            let value = value
+                .as_str()
+                .map_or_else(|| value.to_string(), str::to_owned);
+            lines.push((format!("{}.{name}", run.method), value));
+        }
+    }
+    lines
+}
+
+/// Returns version, contact, loop and object, with the force f_V `[N]`.
+fn subject_metadata(
+    subject: &Subject,
+    object: ObjectState<f64>,
+    virtual_force: f64,
+) -> Vec<(String, String)> {
     let contact = subject.contact;
     let limits = subject.loop_params;
     let optional = |value: Option<f64>| value.map_or_else(|| "none".into(), |v| v.to_string());
-    let mut lines = vec![
+    vec![
         (
             "palpate_version".to_owned(),
             env!("CARGO_PKG_VERSION").to_owned(),
@@ -73,24 +99,7 @@ pub fn metadata(
             object.velocity.to_string(),
         ),
         ("virtual_force_n".to_owned(), virtual_force.to_string()),
-    ];
-    for (name, value) in timing_of(subject.delay, &subject.timing) {
-        lines.push((format!("loop_{name}"), value.to_string()));
-    }
-    if let Some(seed) = subject.seed
-        && lines.iter().all(|(name, _)| name != "loop_seed")
-    {
-        lines.push(("loop_seed".to_owned(), seed.to_string()));
-    }
-    for run in runs {
-        for (name, value) in parameters_of(&run.parameters) {
-            let value = value
-                .as_str()
-                .map_or_else(|| value.to_string(), str::to_owned);
-            lines.push((format!("{}.{name}", run.method), value));
-        }
-    }
-    lines
+    ]
 }
 
 /// Returns device, hand and window of a scene, under the names of its keys.

@@ -2,7 +2,6 @@
 
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::Actuator;
-use palpate_testbed::device::DevicePlant;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::measure::{Sampler, SensorNoise};
 use palpate_testbed::metrics::{EnergyEvaluation, ForceEvaluation, ReboundSpeed};
@@ -12,10 +11,11 @@ use palpate_testbed::timeline::Timeline;
 
 use palpate_core::{Mass, Method, MethodParams, ParameterValue, Renderer};
 
+use crate::sim::loop_record::LoopRecord;
 use crate::sim::own_device::{OwnDevice, Seen};
 use crate::sim::plant::{Plant, is_free};
-use crate::sim::run::{Held, IdealPoint, MAX_PERIODS, Reference, Run, RunMethod, Tick};
-use crate::sim::sampled_loop::{Sampled, SampledLoop};
+use crate::sim::run::{IdealPoint, MAX_PERIODS, Reference, Run, RunMethod};
+use crate::sim::sampled_loop::SampledLoop;
 use palpate_scene::method::MethodName;
 use palpate_scene::named_parameters::named_parameters;
 use palpate_scene::{Delay, Measure, Scene, SetupError};
@@ -59,7 +59,8 @@ impl<'a> Bench<'a> {
     /// Like [`new`](Self::new), but `device` replaces the scene's device and hand. It starts in its present state, on
     /// the scene's side of the object, in the user's frame. The scene's device then determines only the model values of
     /// the renderer (effective mass and encoder quantum) and the encoder itself. The ideal is integrated on a copy of
-    /// `device`, so [`DevicePlant::advance`] should be exact, or much more accurate than the effects to be measured.
+    /// `device`, so [`DevicePlant::advance`](palpate_testbed::device::DevicePlant::advance) should be exact, or much more
+    /// accurate than the effects to be measured.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
@@ -254,8 +255,18 @@ impl<'a> Bench<'a> {
         method: RunMethod,
         parameters: Vec<(&'static str, ParameterValue<f64>)>,
     ) -> Result<Run, LoopError> {
-        let sign = self.sign;
-        let mut in_progress = SampledLoop {
+        let mut in_progress = self.loop_in_progress(scene, renderer)?;
+        let record = LoopRecord::of(&mut in_progress, timeline);
+        Ok(self.evaluated_run(scene, record, method, parameters))
+    }
+
+    /// Returns the loop of `scene` before its first sample.
+    fn loop_in_progress<'r, M: Method<f64>>(
+        &self,
+        scene: &Scene,
+        renderer: &'r Renderer<f64, M>,
+    ) -> Result<SampledLoop<'r, M, Plant>, LoopError> {
+        Ok(SampledLoop {
             sampler: if scene.device.encoder_quantum() > 0.0 {
                 Sampler::quantum(scene.device.encoder_quantum())?
             } else {
@@ -263,93 +274,37 @@ impl<'a> Bench<'a> {
             },
             noise: SensorNoise::normal(scene.device.noise(), scene.timing.seed)?,
             actuator: Actuator::new(scene.actuator)?,
-            sign,
+            sign: self.sign,
             virtual_force: scene.virtual_force,
             ..SampledLoop::new(renderer, scene.object, self.plant.clone())
                 .map_err(SetupError::from)?
-        };
+        })
+    }
 
-        let samples = timeline.samples();
-        let grid = timeline.grid();
-        let mut ticks: Vec<Tick> = Vec::with_capacity(samples.len());
-        let mut record = Vec::with_capacity(samples.len());
-        let mut held = Vec::with_capacity(grid.intervals());
-        let mut delivered = HeldSince::default();
-        let mut port_work = 0.0;
-        let (mut jammed_at, mut left_box_at) = (None, None);
-        let mut time = 0.0;
-        for stretch in timeline.stretches() {
-            let answer = if let Some(index) = stretch.sample {
-                let sample = samples[index];
-                time = sample.time;
-                // Nothing was measured before the first sample.
-                let measured_time = (index > 0).then_some(sample.elapsed);
-                let sampled = in_progress.sample(sample.elapsed, measured_time);
-                let sent = in_progress.given_force(sampled.output.force_on_object);
-                in_progress.report_sent(sent);
-                if left_box_at.is_none() && in_progress.device.has_left_box() {
-                    left_box_at = Some(time);
-                }
-                Some((index, sampled))
-            } else {
-                None
-            };
-            let command = match (stretch.command, &answer) {
-                (None, _) => 0.0,
-                (Some(own), Some((index, sampled))) if own == *index => {
-                    sampled.output.force_on_object
-                }
-                (Some(earlier), _) => ticks[earlier].output.force_on_object,
-            };
-            let sent = in_progress.given_force(command);
-            let force = in_progress.acting_force(sent);
-            let device = &in_progress.device;
-            if let Some((index, Sampled { measured, output })) = answer {
-                ticks.push(Tick {
-                    time,
-                    device_position: measured,
-                    true_device_position: sign * device.position(),
-                    output,
-                    held_force_on_object: force,
-                    command_from: samples[index].command_from,
-                    ledger: *in_progress.state.ledger(),
-                });
-                record.push(Snapshot {
-                    time,
-                    device_position: device.position(),
-                    device_velocity: device.velocity(),
-                    object_position: sign * output.object_position,
-                    object_velocity: sign * output.object_velocity,
-                    force_on_object: sign * force,
-                });
-            }
-            if stretch.begins_hold && held.len() < grid.intervals() {
-                delivered = HeldSince::default();
-                held.push(Held {
-                    from: grid.edge(held.len()),
-                    force_on_object: force,
-                });
-            }
-            if stretch.duration > 0.0 {
-                let driven = in_progress.drive(sent, stretch.duration);
-                port_work += driven.work;
-                delivered.add(driven.mean_force, stretch.duration);
-                if let (Some(held), Some(mean)) = (held.last_mut(), delivered.mean()) {
-                    held.force_on_object = mean;
-                }
-                time += stretch.duration;
-                if jammed_at.is_none() && in_progress.device.is_jammed() {
-                    jammed_at = Some(time);
-                }
-            }
-        }
+    /// Evaluates the record of a loop against the ideal.
+    fn evaluated_run(
+        &self,
+        scene: &Scene,
+        record: LoopRecord,
+        method: RunMethod,
+        parameters: Vec<(&'static str, ParameterValue<f64>)>,
+    ) -> Run {
+        let LoopRecord {
+            ticks,
+            snapshots,
+            held,
+            port_work,
+            jammed_at,
+            left_box_at,
+            ..
+        } = record;
         let forces: Vec<f64> = held
             .iter()
-            .map(|held| sign * held.force_on_object)
+            .map(|held| self.sign * held.force_on_object)
             .collect();
         let profile = &self.reference.profile;
-        let energy = self.energy_evaluation(&forces, &record);
-        Ok(Run {
+        let energy = self.energy_evaluation(&forces, &snapshots);
+        Run {
             method,
             parameters,
             ticks,
@@ -359,45 +314,16 @@ impl<'a> Bench<'a> {
             left_box_at,
             diverged: Some(self.has_diverged(
                 energy.as_ref(),
-                record_until(&record, left_box_at.or(jammed_at)),
+                record_until(&snapshots, left_box_at.or(jammed_at)),
             )),
-            rebounds: ReboundSpeed::sampled(profile, &forces, &record)
+            rebounds: ReboundSpeed::sampled(profile, &forces, &snapshots)
                 .expect("one force per interval, and a sample"),
             energy,
             bench_port_work: Some(port_work),
             centre_offset: scene.centre_offset(),
-        })
-    }
-}
-
-/// Delivered force since a command began to act.
-#[derive(Default)]
-struct HeldSince {
-    first: Option<f64>,
-    changed: bool,
-    impulse: f64,
-    duration: f64,
-}
-
-impl HeldSince {
-    fn add(&mut self, force: f64, duration: f64) {
-        self.changed |= self.first.is_some_and(|first| first != force);
-        self.first = self.first.or(Some(force));
-        self.impulse += force * duration;
-        self.duration += duration;
-    }
-
-    /// The force, or where it changed its mean over time; none before anything was.
-    fn mean(&self) -> Option<f64> {
-        if self.changed {
-            Some(self.impulse / self.duration)
-        } else {
-            self.first
         }
     }
-}
 
-impl Bench<'_> {
     /// Returns the effect of a lossless loop on its energy. With friction or a passive hand, energy is not conserved
     /// and cannot be compared.
     fn energy_evaluation(&self, held: &[f64], record: &[Snapshot]) -> Option<EnergyEvaluation> {

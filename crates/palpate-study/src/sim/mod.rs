@@ -11,6 +11,7 @@ mod delivery;
 pub mod device;
 pub mod hand_replay;
 mod loop_error;
+mod loop_record;
 mod own_device;
 mod plant;
 pub mod replay;

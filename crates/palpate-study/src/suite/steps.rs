@@ -76,41 +76,28 @@ impl Step {
     /// Applies the step to an ideal scene.
     pub fn change(self, scene: &mut Scene) {
         let period = scene.loop_params.period;
-        let late = |scene: &mut Scene, periods: f64| scene.delay = Delay::Seconds(periods * period);
-        let lagging = |scene: &mut Scene| {
-            scene.actuator = ActuatorParams {
-                lag: LAG,
-                ..ActuatorParams::default()
-            };
-        };
-        let unmodelled = Model {
-            delay: Some(0.0),
-            lag: Some(0.0),
-            gain: Some(1.0),
-            ..Model::default()
-        };
         match self {
             Self::Nothing => {}
             Self::ShortDelay => {
-                late(scene, 0.03);
-                scene.model = unmodelled;
+                delay_by(scene, 0.03);
+                scene.model = unmodelled();
             }
             Self::DelayUnmodelled => {
-                late(scene, 0.3);
-                scene.model = unmodelled;
+                delay_by(scene, 0.3);
+                scene.model = unmodelled();
             }
-            Self::DelayModelled => late(scene, 0.3),
+            Self::DelayModelled => delay_by(scene, 0.3),
             Self::Lag => {
-                lagging(scene);
-                scene.model = unmodelled;
+                add_lag(scene);
+                scene.model = unmodelled();
             }
             Self::LagAndDelay => {
-                lagging(scene);
-                late(scene, 0.5);
+                add_lag(scene);
+                delay_by(scene, 0.5);
             }
             Self::LagAndDelayMismatched => {
-                lagging(scene);
-                late(scene, 0.5);
+                add_lag(scene);
+                delay_by(scene, 0.5);
                 // Too long on every second plant, too short on the others.
                 let is_even = scene.timing.seed.is_multiple_of(2);
                 let error = if is_even { MISMATCH } else { -MISMATCH };
@@ -123,11 +110,11 @@ impl Step {
             }
             Self::Gain => {
                 scene.actuator.gain = 0.9;
-                scene.model = unmodelled;
+                scene.model = unmodelled();
             }
             Self::Quantum => {
-                lagging(scene);
-                late(scene, 0.5);
+                add_lag(scene);
+                delay_by(scene, 0.5);
                 if let Some(device) = scene.device.point_mass_mut() {
                     device.encoder_quantum = 1e-5;
                 }
@@ -156,5 +143,28 @@ impl Step {
                 }
             }
         }
+    }
+}
+
+/// Sets the delay of the loop to `periods` `[periods]`.
+fn delay_by(scene: &mut Scene, periods: f64) {
+    scene.delay = Delay::Seconds(periods * scene.loop_params.period);
+}
+
+/// Sets an actuator with a lag.
+fn add_lag(scene: &mut Scene) {
+    scene.actuator = ActuatorParams {
+        lag: LAG,
+        ..ActuatorParams::default()
+    };
+}
+
+/// Returns a model of a perfect loop.
+fn unmodelled() -> Model {
+    Model {
+        delay: Some(0.0),
+        lag: Some(0.0),
+        gain: Some(1.0),
+        ..Model::default()
     }
 }

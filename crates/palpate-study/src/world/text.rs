@@ -5,7 +5,7 @@ use std::fmt;
 use comfy_table::{Cell, CellAlignment, Table};
 use palpate_testbed::world::Decisive;
 
-use super::{DecisiveReport, FidelityReport, WorldReport};
+use super::{DecisiveReport, FidelityReport, WorldMethodReport, WorldReport};
 use crate::text::{
     E, FRE, counted, digits, legend, lines, number, percent, plain_table, short, wrapped,
 };
@@ -204,71 +204,76 @@ impl WorldReport {
             )
         }));
         remarks.extend(self.decisive.iter().flat_map(|it| self.decided(it)));
-        for method in &self.methods {
-            if method.refused_samples > 0 {
-                let first = method.first_refusal.as_ref();
-                let why = first.map_or_else(String::new, |first| {
-                    format!(
-                        " The first, at {} s: {}.",
-                        digits(first.time_s),
-                        first.reason
-                    )
-                });
-                remarks.push(format!(
-                    "{}: {} refused; the forces were 0 there.{why}",
-                    method.method,
-                    counted(method.refused_samples, "sample")
-                ));
-            }
-            if method.guarded_samples > 0 {
-                remarks.push(format!(
-                    "{}: at {} the forces exceeded the guard's bound.",
-                    method.method,
-                    counted(method.guarded_samples, "sample")
-                ));
-            }
-            if let Some(through) = &method.first_through {
-                let more = match method.went_through {
-                    1 => String::new(),
-                    count => format!(", and {count} times in all"),
-                };
-                remarks.push(format!(
-                    "{}: \"{}\" went through \"{}\" and left its far side at {} s{more}. E does not show it if the \
-                     ideal does the same. A thicker or stiffer solid, or a hull or mesh, which follow their surface, \
-                     prevents it.",
-                    method.method,
-                    through.first,
-                    through.second,
-                    digits(through.time_s)
-                ));
-            }
-            let error = method.sum.map(|sum| sum.mean_force_error_percent);
-            if method.too_fast_samples > 0 && method.method == "coupled" && error >= Some(1.0) {
-                remarks.push(format!(
-                    "{}: at {} a contact or joint swings within a few periods; a small motion error is a large force \
-                     error there.",
-                    method.method,
-                    counted(method.too_fast_samples, "sample")
-                ));
-            }
-            if method.coarse_samples > 0 {
-                remarks.push(format!(
-                    "{}: at {} contacts changed their mode more often than the finest step of the renderer resolves.",
-                    method.method,
-                    counted(method.coarse_samples, "sample")
-                ));
-            }
-            if method.crowded_samples > 0 {
-                remarks.push(format!(
-                    "{}: at {} more triangles or shell points were near than the renderer can hold; it ignored the \
-                     furthest.",
-                    method.method,
-                    counted(method.crowded_samples, "sample")
-                ));
-            }
-        }
+        remarks.extend(self.methods.iter().flat_map(remarks_on));
         remarks
     }
+}
+
+/// Returns remarks on the run of a method that the tables do not show.
+fn remarks_on(method: &WorldMethodReport) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if method.refused_samples > 0 {
+        let first = method.first_refusal.as_ref();
+        let why = first.map_or_else(String::new, |first| {
+            format!(
+                " The first, at {} s: {}.",
+                digits(first.time_s),
+                first.reason
+            )
+        });
+        remarks.push(format!(
+            "{}: {} refused; the forces were 0 there.{why}",
+            method.method,
+            counted(method.refused_samples, "sample")
+        ));
+    }
+    if method.guarded_samples > 0 {
+        remarks.push(format!(
+            "{}: at {} the forces exceeded the guard's bound.",
+            method.method,
+            counted(method.guarded_samples, "sample")
+        ));
+    }
+    if let Some(through) = &method.first_through {
+        let more = match method.went_through {
+            1 => String::new(),
+            count => format!(", and {count} times in all"),
+        };
+        remarks.push(format!(
+            "{}: \"{}\" went through \"{}\" and left its far side at {} s{more}. E does not show it if the \
+             ideal does the same. A thicker or stiffer solid, or a hull or mesh, which follow their surface, \
+             prevents it.",
+            method.method,
+            through.first,
+            through.second,
+            digits(through.time_s)
+        ));
+    }
+    let error = method.sum.map(|sum| sum.mean_force_error_percent);
+    if method.too_fast_samples > 0 && method.method == "coupled" && error >= Some(1.0) {
+        remarks.push(format!(
+            "{}: at {} a contact or joint swings within a few periods; a small motion error is a large force \
+             error there.",
+            method.method,
+            counted(method.too_fast_samples, "sample")
+        ));
+    }
+    if method.coarse_samples > 0 {
+        remarks.push(format!(
+            "{}: at {} contacts changed their mode more often than the finest step of the renderer resolves.",
+            method.method,
+            counted(method.coarse_samples, "sample")
+        ));
+    }
+    if method.crowded_samples > 0 {
+        remarks.push(format!(
+            "{}: at {} more triangles or shell points were near than the renderer can hold; it ignored the \
+             furthest.",
+            method.method,
+            counted(method.crowded_samples, "sample")
+        ));
+    }
+    remarks
 }
 
 fn errors(fidelity: Option<&FidelityReport>) -> [Cell; 3] {

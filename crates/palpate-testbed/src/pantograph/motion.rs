@@ -27,6 +27,49 @@ const EVENT_WIDTH: f64 = 1e-13;
 /// Most steps of one advance per longest step; beyond it the mechanism counts as jammed.
 const STEPS_PER_LONGEST: usize = 20_000;
 
+/// Weights of the slopes for each later stage of the method of Dormand and Prince.
+const STAGE_WEIGHTS: [[f64; 6]; 6] = [
+    [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
+    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
+    [
+        19372.0 / 6561.0,
+        -25360.0 / 2187.0,
+        64448.0 / 6561.0,
+        -212.0 / 729.0,
+        0.0,
+        0.0,
+    ],
+    [
+        9017.0 / 3168.0,
+        -355.0 / 33.0,
+        46732.0 / 5247.0,
+        49.0 / 176.0,
+        -5103.0 / 18656.0,
+        0.0,
+    ],
+    // The last stage is the result.
+    [
+        35.0 / 384.0,
+        0.0,
+        500.0 / 1113.0,
+        125.0 / 192.0,
+        -2187.0 / 6784.0,
+        11.0 / 84.0,
+    ],
+];
+
+/// Weights of the slopes for the estimated error: order 5 minus order 4.
+const ERROR_WEIGHTS: [f64; 7] = [
+    71.0 / 57600.0,
+    0.0,
+    -71.0 / 16695.0,
+    71.0 / 1920.0,
+    -17253.0 / 339_200.0,
+    22.0 / 525.0,
+    -1.0 / 40.0,
+];
+
 /// Angles `[rad]`, rates `[rad/s]` and the energy lost so far `[J]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct State {
@@ -231,46 +274,6 @@ impl HeldInputs<'_> {
     /// One step of Dormand–Prince 5(4) from a state and its pose; `None` if it leads through a pose that does not
     /// exist.
     fn step(&self, start: &State, first: &ArmPose, modes: [Mode; 2], length: f64) -> Option<Step> {
-        const A: [[f64; 6]; 6] = [
-            [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
-            [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
-            [
-                19372.0 / 6561.0,
-                -25360.0 / 2187.0,
-                64448.0 / 6561.0,
-                -212.0 / 729.0,
-                0.0,
-                0.0,
-            ],
-            [
-                9017.0 / 3168.0,
-                -355.0 / 33.0,
-                46732.0 / 5247.0,
-                49.0 / 176.0,
-                -5103.0 / 18656.0,
-                0.0,
-            ],
-            // The last stage is the result.
-            [
-                35.0 / 384.0,
-                0.0,
-                500.0 / 1113.0,
-                125.0 / 192.0,
-                -2187.0 / 6784.0,
-                11.0 / 84.0,
-            ],
-        ];
-        // Order 5 minus order 4.
-        const E: [f64; 7] = [
-            71.0 / 57600.0,
-            0.0,
-            -71.0 / 16695.0,
-            71.0 / 1920.0,
-            -17253.0 / 339_200.0,
-            22.0 / 525.0,
-            -1.0 / 40.0,
-        ];
         let origin = [
             start.angles[0],
             start.angles[1],
@@ -283,7 +286,7 @@ impl HeldInputs<'_> {
         let mut y = origin;
         let mut left_mode = false;
         let mut pose = *first;
-        for (stage, row) in A.iter().enumerate() {
+        for (stage, row) in STAGE_WEIGHTS.iter().enumerate() {
             for (k, value) in y.iter_mut().enumerate() {
                 let sum: f64 = (0..=stage).map(|j| row[j] * slopes[j][k]).sum();
                 *value = origin[k] + length * sum;
@@ -299,7 +302,7 @@ impl HeldInputs<'_> {
         }
         let error = (0..4)
             .map(|k| {
-                let sum: f64 = (0..7).map(|j| E[j] * slopes[j][k]).sum();
+                let sum: f64 = (0..7).map(|j| ERROR_WEIGHTS[j] * slopes[j][k]).sum();
                 let scale = 1.0 + y[k].abs().max(origin[k].abs());
                 (length * sum).abs() / (TOLERANCE * scale)
             })

@@ -223,18 +223,7 @@ pub(super) fn of_pair(
     if let Some(contacts) = by_points(number, pair, [&one, &other]) {
         return Ok(contacts);
     }
-    // The tool comes first, then a free sphere, so the sphere is the first member.
-    let rank = |side: &Side| match side.shape {
-        Some(Shape::Sphere { .. }) => 2 + u8::from(side.is_device),
-        None => 3,
-        Some(Shape::HalfSpace { .. }) => 0,
-        Some(_) => 1,
-    };
-    let (first, second) = if rank(&one) >= rank(&other) {
-        (one, other)
-    } else {
-        (other, one)
-    };
+    let [first, second] = ordered(one, other);
     let no_contact = || {
         format!(
             "there is no contact between {} and {}",
@@ -246,108 +235,178 @@ pub(super) fn of_pair(
         Shape::Hull(hull) if first.touches_by_spheres() => &Shape::Mesh(hull.mesh().clone()),
         other => other,
     };
-    let contact = |on_first: Vec3, radius: f64, law: ContactLaw| Contact {
-        pair: number,
-        first: first.member,
+    let pairing = Pairing {
+        number,
+        law: pair.law,
+        first: &first,
         second: second.member,
-        on_first,
-        radius,
-        surface: surface.clone(),
-        solids: None,
-        rod: None,
-        cylinder: None,
-        field: None,
-        law,
+        surface,
     };
-    let shared = |count: f64| shared(&pair.law, count);
-    let by_corners = |hull: &Wrapped| {
-        let law = shared(hull.most_corners() as f64);
-        let each = hull.corners.iter();
-        Ok(each.map(|corner| contact(*corner, 0.0, law)).collect())
+    pairing.contacts().ok_or_else(no_contact)
+}
+
+/// Returns the two sides in the order of their contacts.
+fn ordered(one: Side, other: Side) -> [Side; 2] {
+    // The tool comes first, then a free sphere, so the sphere is the first member.
+    let rank = |side: &Side| match side.shape {
+        Some(Shape::Sphere { .. }) => 2 + u8::from(side.is_device),
+        None => 3,
+        Some(Shape::HalfSpace { .. }) => 0,
+        Some(_) => 1,
     };
-    if let Some(one) = &first.shape
-        && let Some(rod) = rod([one, surface])
-    {
-        let rod = Arc::new(rod);
+    if rank(&one) >= rank(&other) {
+        [one, other]
+    } else {
+        [other, one]
+    }
+}
+
+/// A pair whose first side touches a surface of the second.
+struct Pairing<'a> {
+    /// Number of the pair.
+    number: usize,
+    /// Law of the pair.
+    law: ContactLaw,
+    /// The side with the contact points.
+    first: &'a Side,
+    /// Number of the second member.
+    second: usize,
+    /// Surface of the second side.
+    surface: &'a Shape,
+}
+
+impl Pairing<'_> {
+    /// Returns the contacts of the pair; `None` if there is no contact between such shapes.
+    fn contacts(&self) -> Option<Vec<Contact>> {
+        if let Some(contacts) = self.by_rod().or_else(|| self.by_cylinder()) {
+            return Some(contacts);
+        }
+        let first = self.first;
+        match (&first.shape, self.surface) {
+            (&Some(Shape::Sphere { radius }), Shape::Mesh(_)) => {
+                let one = self.contact(Vec3::ZERO, radius, self.law);
+                Some(vec![one; MAX_CONTACTS])
+            }
+            (None, Shape::Mesh(_)) => Some(
+                first
+                    .spheres
+                    .iter()
+                    .flat_map(|sphere| {
+                        let one = self.contact(Vec3(sphere.centre), sphere.radius, self.law);
+                        vec![one; MAX_CONTACTS]
+                    })
+                    .collect(),
+            ),
+            (None, _) => Some(
+                first
+                    .spheres
+                    .iter()
+                    .map(|sphere| self.contact(Vec3(sphere.centre), sphere.radius, self.law))
+                    .collect(),
+            ),
+            (&Some(Shape::Sphere { radius }), _) => {
+                Some(vec![self.contact(Vec3::ZERO, radius, self.law)])
+            }
+            (
+                Some(one @ (Shape::Box { .. } | Shape::Hull(_))),
+                other @ (Shape::Box { .. } | Shape::Hull(_)),
+            ) => self.by_flat_faces([one, other]),
+            (Some(one), Shape::HalfSpace { .. }) => self.on_half_space(one),
+            _ => None,
+        }
+    }
+
+    /// Creates a contact of a sphere of `radius` `[m]` at a place in the axes of the first side `[m]`.
+    fn contact(&self, on_first: Vec3, radius: f64, law: ContactLaw) -> Contact {
+        Contact {
+            pair: self.number,
+            first: self.first.member,
+            second: self.second,
+            on_first,
+            radius,
+            surface: self.surface.clone(),
+            solids: None,
+            rod: None,
+            cylinder: None,
+            field: None,
+            law,
+        }
+    }
+
+    /// Returns the contacts of the two ends of a capsule on another convex solid.
+    fn by_rod(&self) -> Option<Vec<Contact>> {
+        let one = self.first.shape.as_ref()?;
+        let rod = Arc::new(rod([one, self.surface])?);
         let end = |end: usize| Contact {
             rod: Some((rod.clone(), end)),
-            ..contact(Vec3::ZERO, 0.0, shared(2.0))
+            ..self.contact(Vec3::ZERO, 0.0, shared(&self.law, 2.0))
         };
-        return Ok(vec![end(0), end(1)]);
+        Some(vec![end(0), end(1)])
     }
-    if let Some(one) = &first.shape
-        && let Some(cylinder) = cylinder([one, surface])
-    {
-        let cylinder = Arc::new(cylinder);
-        let law = shared(cylinder.share() as f64);
+
+    /// Returns the contacts of a cylinder on a solid with flat faces or on another cylinder.
+    fn by_cylinder(&self) -> Option<Vec<Contact>> {
+        let one = self.first.shape.as_ref()?;
+        let cylinder = Arc::new(cylinder([one, self.surface])?);
+        let law = shared(&self.law, cylinder.share() as f64);
         let each = (0..cylinder.contacts()).map(|number| Contact {
             cylinder: Some((cylinder.clone(), number)),
-            ..contact(Vec3::ZERO, 0.0, law)
+            ..self.contact(Vec3::ZERO, 0.0, law)
         });
-        return Ok(each.collect());
+        Some(each.collect())
     }
-    match (&first.shape, surface) {
-        (&Some(Shape::Sphere { radius }), Shape::Mesh(_)) => {
-            let one = contact(Vec3::ZERO, radius, pair.law);
-            Ok(vec![one; MAX_CONTACTS])
-        }
-        (None, Shape::Mesh(_)) => Ok(first
-            .spheres
-            .iter()
-            .flat_map(|sphere| {
-                let one = contact(Vec3(sphere.centre), sphere.radius, pair.law);
-                vec![one; MAX_CONTACTS]
-            })
-            .collect()),
-        (None, _) => Ok(first
-            .spheres
-            .iter()
-            .map(|sphere| contact(Vec3(sphere.centre), sphere.radius, pair.law))
-            .collect()),
-        (&Some(Shape::Sphere { radius }), _) => Ok(vec![contact(Vec3::ZERO, radius, pair.law)]),
-        (
-            Some(one @ (Shape::Box { .. } | Shape::Hull(_))),
-            other @ (Shape::Box { .. } | Shape::Hull(_)),
-        ) => {
-            let two = [flat(one), flat(other)];
-            let [Some(one), Some(other)] = two else {
-                return Err(no_contact());
-            };
-            let solids = Arc::new(Solids([one, other]));
-            let law = shared(solids.share() as f64);
-            let each = (0..solids.contacts()).map(|number| Contact {
-                solids: Some((solids.clone(), number)),
-                ..contact(Vec3::ZERO, 0.0, law)
-            });
-            Ok(each.collect())
-        }
-        (&Some(Shape::Box { half_extents }), Shape::HalfSpace { .. }) => {
-            let law = shared(4.0);
-            let corner = |index: usize| {
-                Vec3(std::array::from_fn(|axis| {
-                    let sign = if index >> axis & 1 == 0 { -1.0 } else { 1.0 };
-                    sign * half_extents[axis]
-                }))
-            };
-            let corners = (0..8).map(|index| contact(corner(index), 0.0, law));
-            Ok(corners.collect())
-        }
-        (
-            &Some(Shape::Capsule {
+
+    /// Returns the contacts of two boxes or hulls.
+    fn by_flat_faces(&self, [one, other]: [&Shape; 2]) -> Option<Vec<Contact>> {
+        let two = [flat(one), flat(other)];
+        let [Some(one), Some(other)] = two else {
+            return None;
+        };
+        let solids = Arc::new(Solids([one, other]));
+        let law = shared(&self.law, solids.share() as f64);
+        let each = (0..solids.contacts()).map(|number| Contact {
+            solids: Some((solids.clone(), number)),
+            ..self.contact(Vec3::ZERO, 0.0, law)
+        });
+        Some(each.collect())
+    }
+
+    /// Returns the contacts of a box, capsule, mesh or hull on a half-space.
+    fn on_half_space(&self, shape: &Shape) -> Option<Vec<Contact>> {
+        match shape {
+            Shape::Box { half_extents } => {
+                let law = shared(&self.law, 4.0);
+                let corner = |index: usize| {
+                    Vec3(std::array::from_fn(|axis| {
+                        let sign = if index >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                        sign * half_extents[axis]
+                    }))
+                };
+                let corners = (0..8).map(|index| self.contact(corner(index), 0.0, law));
+                Some(corners.collect())
+            }
+            &Shape::Capsule {
                 radius,
                 half_length,
-            }),
-            Shape::HalfSpace { .. },
-        ) => {
-            let law = shared(2.0);
-            let end = |side: f64| contact(Vec3([0.0, 0.0, side * half_length]), radius, law);
-            Ok(vec![end(-1.0), end(1.0)])
+            } => {
+                let law = shared(&self.law, 2.0);
+                let end =
+                    |side: f64| self.contact(Vec3([0.0, 0.0, side * half_length]), radius, law);
+                Some(vec![end(-1.0), end(1.0)])
+            }
+            Shape::Mesh(mesh) => {
+                let places: Vec<Vec3> = mesh.vertices().into_iter().map(Vec3).collect();
+                Some(self.by_corners(&Wrapped::around(&places, MAX_CORNERS)?))
+            }
+            Shape::Hull(hull) => Some(self.by_corners(hull.wrapped())),
+            _ => None,
         }
-        (Some(Shape::Mesh(mesh)), Shape::HalfSpace { .. }) => {
-            let places: Vec<Vec3> = mesh.vertices().into_iter().map(Vec3).collect();
-            by_corners(&Wrapped::around(&places, MAX_CORNERS).ok_or_else(no_contact)?)
-        }
-        (Some(Shape::Hull(hull)), Shape::HalfSpace { .. }) => by_corners(hull.wrapped()),
-        _ => Err(no_contact()),
+    }
+
+    /// Returns the contacts of the corners of a convex hull.
+    fn by_corners(&self, hull: &Wrapped) -> Vec<Contact> {
+        let law = shared(&self.law, hull.most_corners() as f64);
+        let each = hull.corners.iter();
+        each.map(|corner| self.contact(*corner, 0.0, law)).collect()
     }
 }

@@ -232,6 +232,7 @@ fn draw(numbers: &mut Numbers, period: f64, hand_stiffness: Option<f64>) -> Draw
     }
 }
 
+/// Draws the parts of a scene with a tool of a mass `[kg]`, contact stiffness `[N/m]` and radius `[m]`.
 fn parts(
     numbers: &mut Numbers,
     kind: WorldKind,
@@ -239,8 +240,13 @@ fn parts(
     stiffness: f64,
     tool_radius: f64,
 ) -> Parts {
-    let ball_mass = numbers.between(0.03, 0.4);
-    let radius = numbers.between(0.015, 0.04);
+    let sizes = Sizes {
+        mass,
+        stiffness,
+        tool_radius,
+        ball_mass: numbers.between(0.03, 0.4),
+        radius: numbers.between(0.015, 0.04),
+    };
     let mut parts = Parts {
         push: [0.0; 3],
         tool: [0.0; 3],
@@ -249,90 +255,164 @@ fn parts(
         friction: 0.0,
         bristle: stiffness,
     };
-    let up = [0.0, 0.0, 1.0];
     match kind {
-        WorldKind::Juggle => {
-            parts.push = [0.0, 0.0, mass * numbers.between(2.0, 6.0)];
-            let place = [
-                numbers.about_zero(0.15 * radius),
-                numbers.about_zero(0.15 * radius),
-                radius + tool_radius + numbers.between(0.01, 0.03),
-            ];
-            parts.balls = vec![(ball_mass, radius, place, true)];
-        }
-        WorldKind::Floor => {
-            let floor = stiffness * numbers.between(1.0, 4.0);
-            parts.push = [
-                numbers.about_zero(0.2),
-                numbers.about_zero(0.2),
-                -mass * numbers.between(2.0, 6.0),
-            ];
-            let sunk = ball_mass * GRAVITY / floor;
-            parts.balls = vec![(ball_mass, radius, [0.0, 0.0, radius - sunk], true)];
-            parts.walls = vec![(up, 0.0, floor)];
-            parts.tool = [
-                numbers.about_zero(0.2 * radius),
-                numbers.about_zero(0.2 * radius),
-                2.0 * radius + tool_radius + numbers.between(0.005, 0.02),
-            ];
-        }
-        WorldKind::Groove => {
-            let slope = numbers.between(25.0, 65.0).to_radians();
-            let (sine, cosine) = slope.sin_cos();
-            parts.push = [
-                numbers.about_zero(0.5),
-                numbers.about_zero(0.3),
-                -mass * numbers.between(3.0, 8.0),
-            ];
-            let other = stiffness * numbers.between(0.5, 2.0);
-            parts.walls = vec![
-                ([sine, 0.0, cosine], 0.0, stiffness),
-                ([-sine, 0.0, cosine], 0.0, other),
-            ];
-            let height = tool_radius / cosine + numbers.between(0.01, 0.03);
-            parts.tool = [numbers.about_zero(0.01), 0.0, height];
-        }
-        WorldKind::Corner => {
-            parts.push = [
-                -numbers.between(0.5, 1.5),
-                -numbers.between(0.5, 1.5),
-                -numbers.between(0.5, 2.0),
-            ];
-            parts.walls = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], up]
-                .map(|normal| (normal, 0.0, stiffness))
-                .to_vec();
-            parts.tool = [(); 3].map(|()| tool_radius + numbers.between(0.005, 0.02));
-        }
-        WorldKind::Row => {
-            parts.push = [mass * numbers.between(2.0, 6.0), 0.0, 0.0];
-            let gap = numbers.between(0.005, 0.02);
-            let off = 0.05 * radius;
-            let first = [radius + tool_radius + gap, numbers.about_zero(off), 0.0];
-            let second = [
-                3.0 * radius + tool_radius + 0.03,
-                numbers.about_zero(off),
-                numbers.about_zero(off),
-            ];
-            parts.balls = vec![
-                (ball_mass, radius, first, false),
-                (numbers.between(0.03, 0.4), radius, second, false),
-            ];
-            let wall = -(5.0 * radius + tool_radius + 0.06);
-            parts.walls = vec![([-1.0, 0.0, 0.0], wall, stiffness)];
-        }
-        WorldKind::Slide => {
-            parts.push = [
-                numbers.about_zero(1.0),
-                numbers.about_zero(1.0),
-                -mass * numbers.between(3.0, 8.0),
-            ];
-            parts.walls = vec![(up, 0.0, stiffness)];
-            parts.tool = [0.0, 0.0, tool_radius + numbers.between(0.003, 0.015)];
-            parts.friction = numbers.between(0.1, 0.8);
-            parts.bristle = stiffness * numbers.between(0.5, 1.0);
-        }
+        WorldKind::Juggle => parts.juggle(numbers, &sizes),
+        WorldKind::Floor => parts.floor(numbers, &sizes),
+        WorldKind::Groove => parts.groove(numbers, &sizes),
+        WorldKind::Corner => parts.corner(numbers, &sizes),
+        WorldKind::Row => parts.row(numbers, &sizes),
+        WorldKind::Slide => parts.slide(numbers, &sizes),
     }
     parts
+}
+
+/// Sizes of the tool and of the balls in a scene.
+struct Sizes {
+    /// Mass of the tool `[kg]`.
+    mass: f64,
+    /// Stiffness K of the tool's contacts `[N/m]`.
+    stiffness: f64,
+    /// Radius of the tool `[m]`.
+    tool_radius: f64,
+    /// Mass of the first ball `[kg]`.
+    ball_mass: f64,
+    /// Radius of the balls `[m]`.
+    radius: f64,
+}
+
+/// Upward direction.
+const UP: Vector = [0.0, 0.0, 1.0];
+
+impl Parts {
+    /// Places a ball above the tool.
+    fn juggle(&mut self, numbers: &mut Numbers, sizes: &Sizes) {
+        let &Sizes {
+            mass,
+            tool_radius,
+            ball_mass,
+            radius,
+            ..
+        } = sizes;
+        self.push = [0.0, 0.0, mass * numbers.between(2.0, 6.0)];
+        let place = [
+            numbers.about_zero(0.15 * radius),
+            numbers.about_zero(0.15 * radius),
+            radius + tool_radius + numbers.between(0.01, 0.03),
+        ];
+        self.balls = vec![(ball_mass, radius, place, true)];
+    }
+
+    /// Places a ball on a floor, below the tool.
+    fn floor(&mut self, numbers: &mut Numbers, sizes: &Sizes) {
+        let &Sizes {
+            mass,
+            stiffness,
+            tool_radius,
+            ball_mass,
+            radius,
+        } = sizes;
+        let floor = stiffness * numbers.between(1.0, 4.0);
+        self.push = [
+            numbers.about_zero(0.2),
+            numbers.about_zero(0.2),
+            -mass * numbers.between(2.0, 6.0),
+        ];
+        let sunk = ball_mass * GRAVITY / floor;
+        self.balls = vec![(ball_mass, radius, [0.0, 0.0, radius - sunk], true)];
+        self.walls = vec![(UP, 0.0, floor)];
+        self.tool = [
+            numbers.about_zero(0.2 * radius),
+            numbers.about_zero(0.2 * radius),
+            2.0 * radius + tool_radius + numbers.between(0.005, 0.02),
+        ];
+    }
+
+    /// Places the tool above a groove of two walls.
+    fn groove(&mut self, numbers: &mut Numbers, sizes: &Sizes) {
+        let &Sizes {
+            mass,
+            stiffness,
+            tool_radius,
+            ..
+        } = sizes;
+        let slope = numbers.between(25.0, 65.0).to_radians();
+        let (sine, cosine) = slope.sin_cos();
+        self.push = [
+            numbers.about_zero(0.5),
+            numbers.about_zero(0.3),
+            -mass * numbers.between(3.0, 8.0),
+        ];
+        let other = stiffness * numbers.between(0.5, 2.0);
+        self.walls = vec![
+            ([sine, 0.0, cosine], 0.0, stiffness),
+            ([-sine, 0.0, cosine], 0.0, other),
+        ];
+        let height = tool_radius / cosine + numbers.between(0.01, 0.03);
+        self.tool = [numbers.about_zero(0.01), 0.0, height];
+    }
+
+    /// Places the tool in front of a corner of three walls.
+    fn corner(&mut self, numbers: &mut Numbers, sizes: &Sizes) {
+        let &Sizes {
+            stiffness,
+            tool_radius,
+            ..
+        } = sizes;
+        self.push = [
+            -numbers.between(0.5, 1.5),
+            -numbers.between(0.5, 1.5),
+            -numbers.between(0.5, 2.0),
+        ];
+        self.walls = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], UP]
+            .map(|normal| (normal, 0.0, stiffness))
+            .to_vec();
+        self.tool = [(); 3].map(|()| tool_radius + numbers.between(0.005, 0.02));
+    }
+
+    /// Places a row of two balls between the tool and a wall.
+    fn row(&mut self, numbers: &mut Numbers, sizes: &Sizes) {
+        let &Sizes {
+            mass,
+            stiffness,
+            tool_radius,
+            ball_mass,
+            radius,
+        } = sizes;
+        self.push = [mass * numbers.between(2.0, 6.0), 0.0, 0.0];
+        let gap = numbers.between(0.005, 0.02);
+        let off = 0.05 * radius;
+        let first = [radius + tool_radius + gap, numbers.about_zero(off), 0.0];
+        let second = [
+            3.0 * radius + tool_radius + 0.03,
+            numbers.about_zero(off),
+            numbers.about_zero(off),
+        ];
+        self.balls = vec![
+            (ball_mass, radius, first, false),
+            (numbers.between(0.03, 0.4), radius, second, false),
+        ];
+        let wall = -(5.0 * radius + tool_radius + 0.06);
+        self.walls = vec![([-1.0, 0.0, 0.0], wall, stiffness)];
+    }
+
+    /// Places the tool above a rough floor.
+    fn slide(&mut self, numbers: &mut Numbers, sizes: &Sizes) {
+        let &Sizes {
+            mass,
+            stiffness,
+            tool_radius,
+            ..
+        } = sizes;
+        self.push = [
+            numbers.about_zero(1.0),
+            numbers.about_zero(1.0),
+            -mass * numbers.between(3.0, 8.0),
+        ];
+        self.walls = vec![(UP, 0.0, stiffness)];
+        self.tool = [0.0, 0.0, tool_radius + numbers.between(0.003, 0.015)];
+        self.friction = numbers.between(0.1, 0.8);
+        self.bristle = stiffness * numbers.between(0.5, 1.0);
+    }
 }
 
 /// A hand whose spring is stretched by 8 mm at the start, along its push.

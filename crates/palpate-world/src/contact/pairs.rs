@@ -10,7 +10,9 @@ use crate::geometry::hull::{Corners, MAX_POINTS};
 use crate::geometry::mesh::{POINTS_PER_MESH, Surface};
 use crate::geometry::rigid::{Mobility, Rigid, Vector3};
 use crate::geometry::solid::Solid;
-use crate::{Mesh, Motion, PointShell, Shape, World, WorldError, WorldField, WorldPart};
+use crate::{
+    ContactLaw, Mesh, Motion, PointShell, Shape, World, WorldError, WorldField, WorldPart,
+};
 
 /// Maximum number of contact points of large shells in a world. A tick visits all of them a few times.
 pub const MAX_SHELL_POINTS: usize = 4096;
@@ -129,6 +131,44 @@ pub(crate) struct Contacts {
 
 /// Returns all contact points of a checked world, or a fault for every pair that cannot be rendered.
 pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts, Vec<WorldError>> {
+    let parts = candidates(world);
+    let mut collected = Collected::default();
+    for (i, one) in parts.iter().enumerate() {
+        for (j, other) in parts.iter().enumerate().skip(i + 1) {
+            if (one.is_tool && other.is_tool) || !(one.moves() || other.moves()) {
+                continue;
+            }
+            let Some(law) = world.law(one.name, other.name) else {
+                continue;
+            };
+            let (shapes, numbers) = ([one.shape, other.shape], [i, j]);
+            if !collected.add_spheres_on_mesh(shapes, numbers, law)
+                && !collected.add_blocks(shapes, numbers, law)
+            {
+                collected.add_spheres_on_solid([one, other], numbers, law);
+            }
+        }
+    }
+    let in_patches = collected.in_patches;
+    collected.check_count(collected.points.len() - in_patches, "", MAX_POINTS);
+    collected.check_count(in_patches, " of large shells", MAX_SHELL_POINTS);
+    for point in &mut collected.points {
+        set_levers(point, mobilities);
+    }
+    if collected.faults.is_empty() {
+        Ok(Contacts {
+            nearby: Nearby::new(collected.points.len(), collected.patches),
+            points: collected.points,
+            surfaces: collected.surfaces,
+            blocks: collected.blocks,
+        })
+    } else {
+        Err(collected.faults)
+    }
+}
+
+/// Returns the tools and bodies of a world, tools first.
+fn candidates(world: &World) -> Vec<Candidate<'_>> {
     let tools = world.tools.iter().enumerate().map(|(i, tool)| Candidate {
         name: &tool.name,
         shape: &tool.shape,
@@ -143,146 +183,184 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
         is_tool: false,
         is_free: matches!(body.motion, Motion::Free(_)),
     });
-    let parts: Vec<_> = tools.chain(bodies).collect();
-    let (mut points, mut faults) = (Vec::new(), Vec::new());
-    let (mut surfaces, mut blocks) = (Vec::new(), Vec::new());
-    let (mut patches, mut in_patches) = (Vec::new(), 0);
-    for (i, one) in parts.iter().enumerate() {
-        for (j, other) in parts.iter().enumerate().skip(i + 1) {
-            if (one.is_tool && other.is_tool) || !(one.moves() || other.moves()) {
-                continue;
-            }
-            let Some(law) = world.law(one.name, other.name) else {
-                continue;
-            };
-            let on_mesh = spheres_on_mesh(one.shape, other.shape).map(|found| (i, j, found));
-            let on_mesh = on_mesh
-                .or_else(|| spheres_on_mesh(other.shape, one.shape).map(|found| (j, i, found)));
-            if let Some((first, second, (spheres, mesh))) = on_mesh {
-                for sphere in spheres {
-                    // A mesh is evaluated once for all points of a sphere.
-                    points.extend((0..POINTS_PER_MESH).map(|point| {
-                        let solid = Solid::Mesh {
-                            surface: surfaces.len(),
-                            point,
-                            reach: mesh.reach(),
-                        };
-                        sphere.on(first, second, solid, law)
-                    }));
-                    let Touching { centre, radius, .. } = sphere;
-                    surfaces.push(Surface::new(mesh.clone(), [first, second], centre, radius));
+    tools.chain(bodies).collect()
+}
+
+/// Sets the bounds of the mobility that a contact point has through rotation, from the mobility of each tool and body.
+fn set_levers(point: &mut Point, mobilities: &[Mobility]) {
+    let far = point.centre.norm() + point.radius;
+    let of_solid = point.solid.reach();
+    let lever = |reach: f64, number: usize| {
+        let most = mobilities.get(number).map_or(0.0, |m| m.angular.max());
+        if most > 0.0 {
+            reach * reach * most
+        } else {
+            0.0
+        }
+    };
+    let [first, second] = [lever(far, point.first), lever(of_solid, point.second)];
+    point.across = [first, second];
+    let is_ball = matches!(point.solid, Solid::Ball { .. });
+    point.along = [
+        if point.is_off_centre { first } else { 0.0 },
+        if is_ball { 0.0 } else { second },
+    ];
+}
+
+/// Contacts of the pairs visited so far, and the faults of those that cannot be rendered.
+#[derive(Default)]
+struct Collected {
+    /// All contact points.
+    points: Vec<Point>,
+    /// Meshes in contact with spheres.
+    surfaces: Vec<Surface>,
+    /// Pairs of boxes, hulls, capsules and cylinders.
+    blocks: Vec<Blocks>,
+    /// Points of large shells.
+    patches: Vec<Patch>,
+    /// Number of points of large shells.
+    in_patches: usize,
+    /// Faults of pairs that cannot be rendered.
+    faults: Vec<WorldError>,
+}
+
+impl Collected {
+    /// Adds the contacts of a pair of spheres and a mesh. Returns whether the pair is one.
+    fn add_spheres_on_mesh(
+        &mut self,
+        [one, other]: [&Shape; 2],
+        [i, j]: [usize; 2],
+        law: &ContactLaw,
+    ) -> bool {
+        let on_mesh = spheres_on_mesh(one, other).map(|found| (i, j, found));
+        let on_mesh = on_mesh.or_else(|| spheres_on_mesh(other, one).map(|found| (j, i, found)));
+        let Some((first, second, (spheres, mesh))) = on_mesh else {
+            return false;
+        };
+        for sphere in spheres {
+            // A mesh is evaluated once for all points of a sphere.
+            self.points.extend((0..POINTS_PER_MESH).map(|point| {
+                let solid = Solid::Mesh {
+                    surface: self.surfaces.len(),
+                    point,
+                    reach: mesh.reach(),
+                };
+                sphere.on(first, second, solid, law)
+            }));
+            let Touching { centre, radius, .. } = sphere;
+            self.surfaces
+                .push(Surface::new(mesh.clone(), [first, second], centre, radius));
+        }
+        true
+    }
+
+    /// Adds the contacts of a pair of boxes, hulls, capsules or cylinders. Returns whether the pair is one.
+    fn add_blocks(
+        &mut self,
+        [one, other]: [&Shape; 2],
+        [i, j]: [usize; 2],
+        law: &ContactLaw,
+    ) -> bool {
+        // An unbounded half-space has no bounding sphere, so it must be the second.
+        let (shapes, sides) = match one {
+            Shape::HalfSpace { .. } => ([other, one], [j, i]),
+            _ => ([one, other], [i, j]),
+        };
+        let Some(pair) = Blocks::between(shapes, sides, self.points.len()) else {
+            return false;
+        };
+        let [first, second] = pair.reaches();
+        self.points.extend((0..pair.points()).map(|point| Point {
+            first: sides[0],
+            second: sides[1],
+            is_off_centre: true,
+            centre: Vector3::x() * first,
+            lever: first,
+            radius: 0.0,
+            solid: Solid::Between {
+                blocks: self.blocks.len(),
+                point,
+                reach: second,
+            },
+            law: pair.law(law),
+            across: [0.0; 2],
+            along: [0.0; 2],
+            is_held: false,
+        }));
+        self.blocks.push(pair);
+        true
+    }
+
+    /// Adds the contacts of any other pair: spheres or corners of one on the solid of the other, or a fault.
+    fn add_spheres_on_solid(
+        &mut self,
+        [one, other]: [&Candidate<'_>; 2],
+        [i, j]: [usize; 2],
+        law: &ContactLaw,
+    ) {
+        let mut orders = [(i, j, one, other), (j, i, other, one)];
+        if is_smaller_mesh(other.shape, one.shape) {
+            orders.reverse();
+        }
+        let found = orders.into_iter().find_map(|(first, second, one, other)| {
+            spheres_on(one.shape, other.shape).map(|found| (first, second, found))
+        });
+        match found {
+            Some((first, second, Ok((spheres, solid)))) => {
+                if spheres.len() > PointShell::MAX_ALWAYS {
+                    let centres = spheres.iter().map(|sphere| sphere.centre);
+                    let numbered = (self.points.len()..).zip(centres);
+                    self.patches.extend(Patch::new(numbered.collect()));
+                    self.in_patches += spheres.len();
                 }
-                continue;
+                let each = spheres.iter();
+                let each = each.map(|sphere| sphere.on(first, second, solid.clone(), law));
+                self.points.extend(each);
             }
-            // An unbounded half-space has no bounding sphere, so it must be the second.
-            let (shapes, sides) = match one.shape {
-                Shape::HalfSpace { .. } => ([other.shape, one.shape], [j, i]),
-                _ => ([one.shape, other.shape], [i, j]),
-            };
-            if let Some(pair) = Blocks::between(shapes, sides, points.len()) {
-                let [first, second] = pair.reaches();
-                points.extend((0..pair.points()).map(|point| Point {
-                    first: sides[0],
-                    second: sides[1],
-                    is_off_centre: true,
-                    centre: Vector3::x() * first,
-                    lever: first,
-                    radius: 0.0,
-                    solid: Solid::Between {
-                        blocks: blocks.len(),
-                        point,
-                        reach: second,
-                    },
-                    law: pair.law(law),
-                    across: [0.0; 2],
-                    along: [0.0; 2],
-                    is_held: false,
-                }));
-                blocks.push(pair);
-                continue;
+            Some((first, _, Err(reason))) => {
+                let [first, other] = if first == i {
+                    [one, other]
+                } else {
+                    [other, one]
+                };
+                self.faults.push(no_corners(first, other, reason));
             }
-            let mut orders = [(i, j, one, other), (j, i, other, one)];
-            if is_smaller_mesh(other.shape, one.shape) {
-                orders.reverse();
-            }
-            let found = orders.into_iter().find_map(|(first, second, one, other)| {
-                spheres_on(one.shape, other.shape).map(|found| (first, second, found))
-            });
-            match found {
-                Some((first, second, Ok((spheres, solid)))) => {
-                    if spheres.len() > PointShell::MAX_ALWAYS {
-                        let numbered = (points.len()..).zip(spheres.iter().map(|sphere| sphere.centre));
-                        patches.extend(Patch::new(numbered.collect()));
-                        in_patches += spheres.len();
-                    }
-                    let each = spheres.iter();
-                    points.extend(each.map(|sphere| sphere.on(first, second, solid.clone(), law)));
-                }
-                Some((first, _, Err(reason))) => {
-                    let [first, other] = if first == i { [one, other] } else { [other, one] };
-                    faults.push(no_corners(first, other, reason));
-                }
-                None => faults.push(WorldError::new(
-                    one.place,
-                    WorldField::Shape,
-                    format!("{:?} and {:?}", one.name, other.name),
-                    format!(
-                        "there is no contact of {} with {} yet: edges can touch away from corners. A mesh can touch a \
-                         sphere, a tool of several spheres and a half-space; with a shell of points also a box, hull, \
-                         capsule, cylinder, and a mesh with a distance grid. Change one of the shapes, for example to \
-                         a hull, or remove the law of the pair",
-                        one.words(),
-                        other.words()
-                    ),
-                )),
-            }
+            None => self.faults.push(no_contact(one, other)),
         }
     }
-    let mut at_most = |count: usize, which: &str, most: usize| {
+
+    /// Reports `count` contact points of a kind, if they are more than `most`.
+    fn check_count(&mut self, count: usize, which: &str, most: usize) {
         if count > most {
             let why = format!(
                 "there are {count} points{which} at which its tools and bodies may touch, and at most {most} are allowed; \
                  give laws to fewer pairs"
             );
-            faults.push(WorldError::new(
+            self.faults.push(WorldError::new(
                 WorldPart::World,
                 WorldField::Contacts,
                 "the world",
                 why,
             ));
         }
-    };
-    at_most(points.len() - in_patches, "", MAX_POINTS);
-    at_most(in_patches, " of large shells", MAX_SHELL_POINTS);
-    for point in &mut points {
-        let far = point.centre.norm() + point.radius;
-        let of_solid = point.solid.reach();
-        let lever = |reach: f64, number: usize| {
-            let most = mobilities.get(number).map_or(0.0, |m| m.angular.max());
-            if most > 0.0 {
-                reach * reach * most
-            } else {
-                0.0
-            }
-        };
-        let [first, second] = [lever(far, point.first), lever(of_solid, point.second)];
-        point.across = [first, second];
-        let is_ball = matches!(point.solid, Solid::Ball { .. });
-        point.along = [
-            if point.is_off_centre { first } else { 0.0 },
-            if is_ball { 0.0 } else { second },
-        ];
     }
-    if faults.is_empty() {
-        Ok(Contacts {
-            nearby: Nearby::new(points.len(), patches),
-            points,
-            surfaces,
-            blocks,
-        })
-    } else {
-        Err(faults)
-    }
+}
+
+/// Returns the fault of a pair of shapes without any kind of contact.
+fn no_contact(one: &Candidate<'_>, other: &Candidate<'_>) -> WorldError {
+    WorldError::new(
+        one.place,
+        WorldField::Shape,
+        format!("{:?} and {:?}", one.name, other.name),
+        format!(
+            "there is no contact of {} with {} yet: edges can touch away from corners. A mesh can touch a \
+             sphere, a tool of several spheres and a half-space; with a shell of points also a box, hull, \
+             capsule, cylinder, and a mesh with a distance grid. Change one of the shapes, for example to \
+             a hull, or remove the law of the pair",
+            one.words(),
+            other.words()
+        ),
+    )
 }
 
 /// A sphere of a shape for contacts, and its share of a contact's law.

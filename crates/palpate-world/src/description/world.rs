@@ -59,6 +59,20 @@ impl World {
     /// Returns all faults in the order tools, bodies, contacts, joints (at least one).
     pub fn check(&self) -> Result<(), Vec<WorldError>> {
         let mut faults = Vec::new();
+        let mut names = HashSet::new();
+        self.check_tools(&mut names, &mut faults);
+        self.check_bodies(&mut names, &mut faults);
+        self.check_contacts(&names, &mut faults);
+        self.check_joints(&mut faults);
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(faults)
+        }
+    }
+
+    /// Reports the faults of the tools, and collects their names.
+    fn check_tools<'n>(&'n self, names: &mut HashSet<&'n str>, faults: &mut Vec<WorldError>) {
         if self.tools.is_empty() {
             let message = "there is no tool; a world needs one for each device";
             faults.push(WorldError::new(
@@ -68,11 +82,10 @@ impl World {
                 message,
             ));
         }
-        let mut names = HashSet::new();
         for (number, tool) in self.tools.iter().enumerate() {
             let subject = format!("tool {:?}", tool.name);
-            let mut of = Faults::new(&mut faults, WorldPart::Tool(number), &subject);
-            of.name(&tool.name, &mut names);
+            let mut of = Faults::new(faults, WorldPart::Tool(number), &subject);
+            of.name(&tool.name, names);
             of.shape(&tool.shape, true, false);
             of.tool(&tool.shape);
             if tool.axes == [false; 3] {
@@ -102,10 +115,14 @@ impl World {
                 );
             }
         }
+    }
+
+    /// Reports the faults of the bodies, and collects their names.
+    fn check_bodies<'n>(&'n self, names: &mut HashSet<&'n str>, faults: &mut Vec<WorldError>) {
         for (number, body) in self.bodies.iter().enumerate() {
             let subject = format!("body {:?}", body.name);
-            let mut of = Faults::new(&mut faults, WorldPart::Body(number), &subject);
-            of.name(&body.name, &mut names);
+            let mut of = Faults::new(faults, WorldPart::Body(number), &subject);
+            of.name(&body.name, names);
             of.shape(&body.shape, false, body.motion == Motion::Fixed);
             of.finite(WorldField::Position, &body.position);
             of.unit(WorldField::Orientation, &body.orientation);
@@ -114,10 +131,14 @@ impl World {
                 of.inertia(free, &body.shape);
             }
         }
+    }
+
+    /// Reports the faults of the contact laws, of which each is between two of `names`.
+    fn check_contacts(&self, names: &HashSet<&str>, faults: &mut Vec<WorldError>) {
         for (number, contact) in self.contacts.iter().enumerate() {
             let [one, other] = contact.between.each_ref().map(Party::as_str);
             let subject = format!("contact between {one:?} and {other:?}");
-            let mut of = Faults::new(&mut faults, WorldPart::Contact(number), &subject);
+            let mut of = Faults::new(faults, WorldPart::Contact(number), &subject);
             for party in &contact.between {
                 if let Party::Named(name) = party
                     && !names.contains(name.as_str())
@@ -136,16 +157,15 @@ impl World {
             of.above_zero(WorldField::FrictionStiffness, law.friction_stiffness);
             of.at_least_zero(WorldField::FrictionDamping, law.friction_damping);
         }
+    }
+
+    /// Reports the faults of the joints.
+    fn check_joints(&self, faults: &mut Vec<WorldError>) {
         for (number, joint) in self.joints.iter().enumerate() {
             let against = joint.against.as_deref().unwrap_or("world");
             let subject = format!("joint of {:?} and {against:?}", joint.body);
-            let mut of = Faults::new(&mut faults, WorldPart::Joint(number), &subject);
+            let mut of = Faults::new(faults, WorldPart::Joint(number), &subject);
             of.joint(joint, &self.bodies);
-        }
-        if faults.is_empty() {
-            Ok(())
-        } else {
-            Err(faults)
         }
     }
 }

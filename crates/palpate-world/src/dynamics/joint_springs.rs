@@ -1,6 +1,6 @@
 //! Springs of joints in motion.
 
-use crate::description::joint::{Joint, JointKind};
+use crate::description::joint::{Joint, JointKind, JointLaw};
 use crate::dynamics::moving_body::{Part, Twist};
 use crate::geometry::rigid::{Rigid, Rotation, Vector3};
 
@@ -93,83 +93,120 @@ pub(crate) fn links_of(
     let Some(first) = first else {
         return Vec::new();
     };
-    let law = &joint.law;
     let axis = Vector3::from(joint.axis).normalize();
     let one = &parts[first].rigid;
     let across = across(&axis, &one.orientation);
-    let axes = [axis, across, axis.cross(&across)];
-    let other = second.map_or(rigid_world(), |second| parts[second].rigid);
-    let moves = |number: Option<usize>, lever: Vector3| {
-        number.map_or(0.0, |number| moves_at(&parts[number], lever))
+    let mount = Mount {
+        law: &joint.law,
+        number,
+        sides: (first, second),
+        axes: [axis, across, axis.cross(&across)],
+        other: second.map_or(rigid_world(), |second| parts[second].rigid),
+        parts,
     };
-    let link = |place: Vector3, holds: Holds| Link {
-        moves: [
-            moves(
-                Some(first),
-                one.orientation.inverse() * (place - one.position),
-            ),
-            moves(
-                second,
-                other.orientation.inverse() * (place - other.position),
-            ),
-        ],
-        joint: number,
-        first,
-        second,
-        on_first: one.orientation.inverse() * (place - one.position),
-        on_second: other.orientation.inverse() * (place - other.position),
-        frame: axes.map(|axis| other.orientation.inverse() * axis),
-        holds,
-        beyond: 0,
-        stored: 0.0,
-        force: Vector3::zeros(),
-        by_damping: Vector3::zeros(),
-        torque: Vector3::zeros(),
-        torque_by_damping: Vector3::zeros(),
-        place,
-        relative: Twist::none(),
-        damping_power: 0.0,
-        work: 0.0,
-        dissipated: 0.0,
-    };
+    let law = &joint.law;
     let point: Vector3 = joint.point.into();
     let half = 0.5 * law.span;
-    let hold = |place: Vector3, weights: Vector3| {
-        link(
-            place,
-            Holds::Point {
-                stiffness: weights * law.stiffness,
-                damping: weights * law.damping,
-            },
-        )
-    };
-    let along = |stop: f64| Along {
-        spring: law.spring,
-        rest: law.rest,
-        damping: law.along_damping,
-        stop,
-        limits: law.limits,
-    };
     match joint.kind {
         JointKind::Hinge => vec![
-            hold(point + axis * half, Vector3::repeat(0.5)),
-            hold(point - axis * half, Vector3::repeat(0.5)),
-            link(
+            mount.hold(point + axis * half, Vector3::repeat(0.5)),
+            mount.hold(point - axis * half, Vector3::repeat(0.5)),
+            mount.link(
                 point,
                 Holds::Angle {
                     mark: one.orientation.inverse() * across,
-                    along: along(law.stiffness * half * half),
+                    along: along(law, law.stiffness * half * half),
                 },
             ),
         ],
         JointKind::Slider => {
             let weights = Vector3::new(0.0, 0.25, 0.25);
             let mut links: Vec<_> = [axis, -axis, across, -across]
-                .map(|way| hold(point + way * half, weights))
+                .map(|way| mount.hold(point + way * half, weights))
                 .into();
-            links.push(link(point, Holds::Way(along(law.stiffness))));
+            links.push(mount.link(point, Holds::Way(along(law, law.stiffness))));
             links
         }
+    }
+}
+
+/// A joint at the initial poses of its bodies.
+struct Mount<'a> {
+    /// Law of the joint.
+    law: &'a JointLaw,
+    /// Index of the joint.
+    number: usize,
+    /// Indices of the moving body and of the reference body among the parts; `None`: the world.
+    sides: (usize, Option<usize>),
+    /// Frame of the joint, along the world's axes; the first is the joint's axis.
+    axes: [Vector3; 3],
+    /// Pose of the reference body.
+    other: Rigid,
+    /// Tools and bodies at their initial poses.
+    parts: &'a [Part],
+}
+
+impl Mount<'_> {
+    /// Creates a link at a point along the world's axes `[m]`.
+    fn link(&self, place: Vector3, holds: Holds) -> Link {
+        let (first, second) = self.sides;
+        let (one, other) = (&self.parts[first].rigid, &self.other);
+        let moves = |number: Option<usize>, lever: Vector3| {
+            number.map_or(0.0, |number| moves_at(&self.parts[number], lever))
+        };
+        Link {
+            moves: [
+                moves(
+                    Some(first),
+                    one.orientation.inverse() * (place - one.position),
+                ),
+                moves(
+                    second,
+                    other.orientation.inverse() * (place - other.position),
+                ),
+            ],
+            joint: self.number,
+            first,
+            second,
+            on_first: one.orientation.inverse() * (place - one.position),
+            on_second: other.orientation.inverse() * (place - other.position),
+            frame: self.axes.map(|axis| other.orientation.inverse() * axis),
+            holds,
+            beyond: 0,
+            stored: 0.0,
+            force: Vector3::zeros(),
+            by_damping: Vector3::zeros(),
+            torque: Vector3::zeros(),
+            torque_by_damping: Vector3::zeros(),
+            place,
+            relative: Twist::none(),
+            damping_power: 0.0,
+            work: 0.0,
+            dissipated: 0.0,
+        }
+    }
+
+    /// Creates a link that holds a point `[m]`, with these fractions of the joint's law along the three axes.
+    fn hold(&self, place: Vector3, weights: Vector3) -> Link {
+        self.link(
+            place,
+            Holds::Point {
+                stiffness: weights * self.law.stiffness,
+                damping: weights * self.law.damping,
+            },
+        )
+    }
+}
+
+/// Returns the spring, damper and stops along the coordinate of a joint, for a stiffness of the stops `[N/m]`, of a
+/// hinge `[N m/rad]`.
+fn along(law: &JointLaw, stop: f64) -> Along {
+    Along {
+        spring: law.spring,
+        rest: law.rest,
+        damping: law.along_damping,
+        stop,
+        limits: law.limits,
     }
 }
 

@@ -288,54 +288,10 @@ fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 
 fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
     let mut most_square: f64 = 0.0;
     let mut most_damping: f64 = 0.0;
-    let is_near = |number: usize, point: &Point| {
-        if point.is_held {
-            return false;
-        }
-        if !moving.touches[number].is_apart() {
-            return true;
-        }
-        let (first, second) = (&moving.parts[point.first], &moving.parts[point.second]);
-        if let Solid::Between { blocks, point, .. } = point.solid {
-            let found = moving.blocks[blocks].found(point);
-            return -found.penetration < reach_of_blocks(first, second, &moving.blocks[blocks], h);
-        }
-        let centre = point.centre_of(&first.rigid);
-        let relative: Vector3 = first.rigid.velocity - second.rigid.velocity;
-        let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
-        let mut turns = first.twist.turning.norm() * point.lever;
-        if point.second < moving.tools {
-            turns += second.twist.turning.norm() * (centre - second.rigid.position).norm();
-        }
-        let reach = point.radius + (relative.norm() + turns + pushed * h) * 2.0 * h;
-        match point.solid {
-            // One of its points is the first to be touched.
-            Solid::Mesh {
-                surface, point: 0, ..
-            } => {
-                let surface = &moving.surfaces[surface];
-                surface.clearance() < reach && surface.distance(&first.rigid, &second.rigid) < reach
-            }
-            _ => {
-                let nearest = point.solid.nearest_within(&second.rigid, &centre, reach);
-                nearest.distance < reach
-            }
-        }
-    };
-    let of_links = |number: usize| {
-        let links = moving
-            .links
-            .iter()
-            .flat_map(|link| link.rates(&moving.parts));
-        let here = links.filter(|(side, ..)| *side == Some(number));
-        here.fold((0.0, 0.0), |sum, (_, square, rate)| {
-            (sum.0 + square, sum.1 + rate)
-        })
-    };
     for link in &moving.links {
         let (mut square, mut damping) = (0.0, 0.0);
         for (side, ..) in link.rates(&moving.parts) {
-            let of_side = side.map_or((0.0, 0.0), of_links);
+            let of_side = side.map_or((0.0, 0.0), |side| rates_of_links(moving, side));
             (square, damping) = (square + of_side.0, damping + of_side.1);
         }
         most_square = most_square.max(square);
@@ -343,7 +299,7 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
     }
     let mut near = [false; MAX_NEARBY];
     for (near, &number) in near.iter_mut().zip(moving.nearby.numbers()) {
-        *near = is_near(number, &points[number]);
+        *near = may_touch(moving, number, &points[number], h);
     }
     let nearby = || {
         let each = moving.nearby.numbers().iter().zip(&near);
@@ -353,7 +309,7 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
         let point = &points[number];
         let (mut square, mut damping) = (0.0, 0.0);
         for side in [point.first, point.second] {
-            let held = of_links(side);
+            let held = rates_of_links(moving, side);
             (square, damping) = (square + held.0, damping + held.1);
             let mobility = moving.parts[side].mobility.linear.max();
             for other in nearby().map(|other| &points[other]) {
@@ -388,6 +344,55 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
         frequency: (most_square + most_drive).sqrt(),
         damping: most_damping,
     }
+}
+
+/// Returns whether a contact touches or may touch within `h` `[s]`.
+fn may_touch(moving: &Moving, number: usize, point: &Point, h: f64) -> bool {
+    if point.is_held {
+        return false;
+    }
+    if !moving.touches[number].is_apart() {
+        return true;
+    }
+    let (first, second) = (&moving.parts[point.first], &moving.parts[point.second]);
+    if let Solid::Between { blocks, point, .. } = point.solid {
+        let found = moving.blocks[blocks].found(point);
+        return -found.penetration < reach_of_blocks(first, second, &moving.blocks[blocks], h);
+    }
+    let centre = point.centre_of(&first.rigid);
+    let relative: Vector3 = first.rigid.velocity - second.rigid.velocity;
+    let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
+    let mut turns = first.twist.turning.norm() * point.lever;
+    if point.second < moving.tools {
+        turns += second.twist.turning.norm() * (centre - second.rigid.position).norm();
+    }
+    let reach = point.radius + (relative.norm() + turns + pushed * h) * 2.0 * h;
+    match point.solid {
+        // One of its points is the first to be touched.
+        Solid::Mesh {
+            surface, point: 0, ..
+        } => {
+            let surface = &moving.surfaces[surface];
+            surface.clearance() < reach && surface.distance(&first.rigid, &second.rigid) < reach
+        }
+        _ => {
+            let nearest = point.solid.nearest_within(&second.rigid, &centre, reach);
+            nearest.distance < reach
+        }
+    }
+}
+
+/// Returns the sums of the bounds of squared angular frequency `[1/s^2]` and damping rate `[1/s]` of all links at a
+/// tool or body.
+fn rates_of_links(moving: &Moving, number: usize) -> (f64, f64) {
+    let links = moving
+        .links
+        .iter()
+        .flat_map(|link| link.rates(&moving.parts));
+    let here = links.filter(|(side, ..)| *side == Some(number));
+    here.fold((0.0, 0.0), |sum, (_, square, rate)| {
+        (sum.0 + square, sum.1 + rate)
+    })
 }
 
 #[cfg(test)]

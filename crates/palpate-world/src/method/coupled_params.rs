@@ -19,7 +19,6 @@ use crate::{Tool, Vector, WorldError, WorldField, WorldPart};
 /// at the end is the proxy offset. The held force is the mean contact force plus a correction that returns the
 /// proxy's velocity to the device's. If the device masses and hand forces are known exactly, each held force is the
 /// interval mean of the ideal force, which is the closest possible held force.
-/// interval mean of the ideal one: no held force can be nearer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledParams {
     /// Mass of each tool's device along each of the world's axes, within a factor of 2 `[kg]`. The hand's share is
@@ -101,56 +100,67 @@ impl CoupledParams {
     }
 
     pub(crate) fn check(self, all: &[Tool]) -> Result<Coupled, Vec<WorldError>> {
-        let tools = all.len();
         let mut faults = Vec::new();
-        let mut fault = |field: WorldField, message: String| {
-            faults.push(WorldError::new(
-                WorldPart::Method,
-                field,
-                "the method",
-                message,
-            ));
-        };
+        self.check_masses(all.len(), &mut faults);
+        self.check_inertias(all, &mut faults);
+        self.check_ranges(&mut faults);
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        Ok(self.coupled(all))
+    }
+
+    /// Reports device masses that are missing or not above 0.
+    fn check_masses(&self, tools: usize, faults: &mut Vec<WorldError>) {
         if self.device_mass.len() != tools {
-            fault(
+            faults.push(fault(
                 WorldField::DeviceMass,
                 format!(
                     "device_mass has {} entries for {tools} tools; give one for each",
                     self.device_mass.len()
                 ),
-            );
+            ));
         }
         for mass in self.device_mass.iter().flatten() {
             let is_mass = *mass > 0.0;
             if !is_mass {
-                fault(
+                faults.push(fault(
                     WorldField::DeviceMass,
                     format!("device_mass is {mass}, and has to be above 0, or infinite"),
-                );
+                ));
             }
         }
+    }
+
+    /// Reports moments of inertia of turning devices that are missing or out of range.
+    fn check_inertias(&self, all: &[Tool], faults: &mut Vec<WorldError>) {
+        let tools = all.len();
         if all.iter().any(|tool| tool.turns) && self.device_inertia.len() != tools {
-            fault(
+            faults.push(fault(
                 WorldField::DeviceInertia,
                 format!(
                     "device_inertia has {} entries for {tools} tools, of which one turns; give three moments for each",
                     self.device_inertia.len()
                 ),
-            );
+            ));
         }
         for (tool, moments) in all.iter().zip(&self.device_inertia) {
             let is_immovable = *moments == [f64::INFINITY; 3];
             for moment in moments {
                 if tool.turns && !is_immovable && !(*moment > 0.0 && moment.is_finite()) {
-                    fault(
+                    faults.push(fault(
                         WorldField::DeviceInertia,
                         format!(
                             "device_inertia is {moment}, and has to be above 0 and finite, or infinite about all three axes"
                         ),
-                    );
+                    ));
                 }
             }
         }
+    }
+
+    /// Reports limits, return rates, quanta and priors that are out of range.
+    fn check_ranges(&self, faults: &mut Vec<WorldError>) {
         let positive = [
             (WorldField::OffsetLimit, self.offset_limit),
             (WorldField::VelocityReturn, self.velocity_return),
@@ -159,7 +169,10 @@ impl CoupledParams {
         for (field, value) in positive {
             let is_positive = value > 0.0;
             if !is_positive {
-                fault(field, format!("{field} is {value}, and has to be above 0"));
+                faults.push(fault(
+                    field,
+                    format!("{field} is {value}, and has to be above 0"),
+                ));
             }
         }
         let Prior {
@@ -190,12 +203,13 @@ impl CoupledParams {
         ];
         for (field, value) in not_negative {
             if let Some(message) = out_of_range(field, value, Range::NotNegative) {
-                fault(field, message);
+                faults.push(fault(field, message));
             }
         }
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+    }
+
+    /// Returns the method for checked parameters.
+    fn coupled(&self, all: &[Tool]) -> Coupled {
         let priors = self.device_mass.iter().zip(all).map(|(mass, tool)| {
             std::array::from_fn(|axis| {
                 let prior = AxisPrior::new(mass[axis], self.encoder_quantum, self.prior);
@@ -226,7 +240,7 @@ impl CoupledParams {
             let mut there = mass.iter().zip(tool.axes).filter(|(_, has)| *has);
             Linkage::new(tool).filter(|_| there.all(|(mass, _)| mass.is_finite()))
         });
-        Ok(Coupled {
+        Coupled {
             turning_priors: turning_priors.collect(),
             turn_limit: self.turn_limit,
             turn_return: self.turn_return,
@@ -239,6 +253,11 @@ impl CoupledParams {
             offset_limit: self.offset_limit,
             offset_return: self.offset_return,
             velocity_return: self.velocity_return,
-        })
+        }
     }
+}
+
+/// Creates a fault of the method's parameters.
+fn fault(field: WorldField, message: String) -> WorldError {
+    WorldError::new(WorldPart::Method, field, "the method", message)
 }

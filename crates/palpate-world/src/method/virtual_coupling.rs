@@ -43,6 +43,32 @@ struct Coupling {
 impl VirtualCouplingParams {
     pub(super) fn check(self, all: &[Tool]) -> Result<VirtualCoupling, Vec<WorldError>> {
         let tools = all.len();
+        let faults = self.faults(all);
+        if !faults.is_empty() {
+            return Err(faults);
+        }
+        let coupling = |lists: [&[f64]; 3], tool: usize| Coupling {
+            stiffness: lists[0][tool],
+            damping: lists[1][tool],
+            mass: lists[2][tool],
+        };
+        let linear = [&self.stiffness[..], &self.damping, &self.mass];
+        let turned = [
+            &self.rotational_stiffness[..],
+            &self.rotational_damping,
+            &self.inertia,
+        ];
+        Ok(VirtualCoupling {
+            couplings: (0..tools).map(|tool| coupling(linear, tool)).collect(),
+            turning: (0..tools)
+                .map(|tool| all[tool].feels_torque().then(|| coupling(turned, tool)))
+                .collect(),
+        })
+    }
+
+    /// Returns the faults of all lists: a wrong number of entries, and entries out of range.
+    fn faults(&self, all: &[Tool]) -> Vec<WorldError> {
+        let tools = all.len();
         let mut faults = Vec::new();
         let turning = if all.iter().any(Tool::feels_torque) {
             tools
@@ -101,26 +127,7 @@ impl VirtualCouplingParams {
                 .filter_map(|value| out_of_range(field, *value, range));
             wrong.for_each(&mut fault);
         }
-        if !faults.is_empty() {
-            return Err(faults);
-        }
-        let coupling = |lists: [&[f64]; 3], tool: usize| Coupling {
-            stiffness: lists[0][tool],
-            damping: lists[1][tool],
-            mass: lists[2][tool],
-        };
-        let linear = [&self.stiffness[..], &self.damping, &self.mass];
-        let turned = [
-            &self.rotational_stiffness[..],
-            &self.rotational_damping,
-            &self.inertia,
-        ];
-        Ok(VirtualCoupling {
-            couplings: (0..tools).map(|tool| coupling(linear, tool)).collect(),
-            turning: (0..tools)
-                .map(|tool| all[tool].feels_torque().then(|| coupling(turned, tool)))
-                .collect(),
-        })
+        faults
     }
 }
 

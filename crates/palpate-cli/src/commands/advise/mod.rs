@@ -57,24 +57,6 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
 
 /// Returns the scene of the contact on the device of flags and `file`.
 fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bounce, Failure> {
-    let positive = |flag: &str, value: f64, unit: &str| {
-        if value.is_finite() && value > 0.0 {
-            Ok(())
-        } else {
-            Err(Failure::Arguments(format!(
-                "{flag} is {value} {unit}, but must be finite and greater than 0"
-            )))
-        }
-    };
-    let not_negative = |flag: &str, value: f64, unit: &str| {
-        if value.is_finite() && value >= 0.0 {
-            Ok(())
-        } else {
-            Err(Failure::Arguments(format!(
-                "{flag} is {value} {unit}, but must be finite and not below 0"
-            )))
-        }
-    };
     let asked = Question {
         file,
         device_mass: arguments.device_mass,
@@ -94,16 +76,36 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bou
     let bounce = asked.bounce().ok_or_else(|| {
         Failure::Arguments("the device file has no device_mass_kg: --device-mass is needed".into())
     })?;
-    positive("--device-mass", bounce.device.mass, "kg")?;
-    positive("--period", bounce.period, "s")?;
+    check_positive("--device-mass", bounce.device.mass, "kg")?;
+    check_positive("--period", bounce.period, "s")?;
     if bounce.object_mass != f64::INFINITY {
-        positive("--mass", bounce.object_mass, "kg")?;
+        check_positive("--mass", bounce.object_mass, "kg")?;
     }
     if let Some(stiffness) = arguments.stiffness {
-        positive("--stiffness", stiffness, "N/m")?;
+        check_positive("--stiffness", stiffness, "N/m")?;
     }
+    check_resonance(arguments, file)?;
+    let device = &bounce.device;
+    check_not_negative("--viscous-friction", device.viscous_friction, "N s/m")?;
+    check_not_negative("--coulomb-friction", device.coulomb_friction, "N")?;
+    check_not_negative("--encoder-quantum", device.encoder_quantum, "m")?;
+    check_not_negative("--lag", bounce.lag, "s")?;
+    for (flag, deviation, unit) in [
+        ("--delay", arguments.delay, "s"),
+        ("--delay-deviation", arguments.delay_deviation, "s"),
+        ("--lag-deviation", arguments.lag_deviation, "s"),
+    ] {
+        if let Some(deviation) = deviation {
+            check_not_negative(flag, deviation, unit)?;
+        }
+    }
+    Ok(bounce)
+}
+
+/// Rejects a resonance out of its range, or a flexible fraction of the mass without a resonance.
+fn check_resonance(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<(), Failure> {
     if let Some(resonance) = arguments.resonance {
-        positive("--resonance", resonance, "Hz")?;
+        check_positive("--resonance", resonance, "Hz")?;
     }
     if let Some(fraction) = arguments.flexible_mass_fraction
         && !(0.0..1.0).contains(&fraction)
@@ -121,21 +123,29 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bou
                 .into(),
         ));
     }
-    let device = &bounce.device;
-    not_negative("--viscous-friction", device.viscous_friction, "N s/m")?;
-    not_negative("--coulomb-friction", device.coulomb_friction, "N")?;
-    not_negative("--encoder-quantum", device.encoder_quantum, "m")?;
-    not_negative("--lag", bounce.lag, "s")?;
-    for (flag, deviation, unit) in [
-        ("--delay", arguments.delay, "s"),
-        ("--delay-deviation", arguments.delay_deviation, "s"),
-        ("--lag-deviation", arguments.lag_deviation, "s"),
-    ] {
-        if let Some(deviation) = deviation {
-            not_negative(flag, deviation, unit)?;
-        }
+    Ok(())
+}
+
+/// Rejects a value of a flag that is not finite and greater than 0.
+fn check_positive(flag: &str, value: f64, unit: &str) -> Result<(), Failure> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(Failure::Arguments(format!(
+            "{flag} is {value} {unit}, but must be finite and greater than 0"
+        )))
     }
-    Ok(bounce)
+}
+
+/// Rejects a value of a flag that is not finite or is below 0.
+fn check_not_negative(flag: &str, value: f64, unit: &str) -> Result<(), Failure> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        Err(Failure::Arguments(format!(
+            "{flag} is {value} {unit}, but must be finite and not below 0"
+        )))
+    }
 }
 
 fn refused(error: &BounceError) -> Failure {

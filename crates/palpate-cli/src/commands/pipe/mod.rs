@@ -11,10 +11,12 @@ use palpate_core::LARGEST_DELAY;
 use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
+use palpate_study::sim::replay::ReplaySetup;
 
 pub use arguments::PipeArguments;
 
 use super::simulate::{AnyScene, read_any};
+use crate::arguments::Flags;
 use crate::failure::Failure;
 use crate::setup::{check_contact, wrong_rendered, wrong_setup};
 use answering::{MISTAKES, answer, messages};
@@ -53,26 +55,10 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
         None => (flags.replay_setup("pipe")?, flags.settings()),
     };
     let defaults = SafetyParams::default();
-    let is_limit_given = flags.force_limit.is_some() || setup.loop_params.force_limit.is_some();
-    if !is_limit_given {
-        let least = motor_limit.unwrap_or(f64::INFINITY);
-        setup.loop_params.force_limit = Some(defaults.largest_force.min(least));
-    }
+    let is_limit_given = limit_force(flags, &mut setup, motor_limit, &defaults);
     let force_limit = setup.loop_params.force_limit;
     let soft_start = soft_start(arguments, &defaults)?;
-    let (samples, fraction) = (setup.delay().whole_samples(), setup.delay().fraction());
-    let periods = samples as f64 + fraction;
-    if periods > LARGEST_DELAY as f64 {
-        let unit = if fraction == 0.0 {
-            "samples"
-        } else {
-            "periods"
-        };
-        return Err(Failure::Arguments(format!(
-            "{} is {periods} {unit}, but the renderer models at most {LARGEST_DELAY}",
-            flags.actuation.delay_flag()
-        )));
-    }
+    check_delay(flags, &setup)?;
     // Check contact and loop first: their errors do not depend on the method.
     check_contact(&setup)?;
     let rendering = rendering(&setup, method, &settings).map_err(|error| wrong_setup(&error))?;
@@ -114,6 +100,40 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
         stream.tell(limits);
     }
     Ok(stream)
+}
+
+/// Limits the force of `setup` by that of the motors `[N]` and by default, unless a limit is given. Returns whether one
+/// is given.
+fn limit_force(
+    flags: &Flags,
+    setup: &mut ReplaySetup,
+    motor_limit: Option<f64>,
+    defaults: &SafetyParams,
+) -> bool {
+    let is_limit_given = flags.force_limit.is_some() || setup.loop_params.force_limit.is_some();
+    if !is_limit_given {
+        let least = motor_limit.unwrap_or(f64::INFINITY);
+        setup.loop_params.force_limit = Some(defaults.largest_force.min(least));
+    }
+    is_limit_given
+}
+
+/// Rejects a delay that is longer than the renderer models.
+fn check_delay(flags: &Flags, setup: &ReplaySetup) -> Result<(), Failure> {
+    let (samples, fraction) = (setup.delay().whole_samples(), setup.delay().fraction());
+    let periods = samples as f64 + fraction;
+    if periods > LARGEST_DELAY as f64 {
+        let unit = if fraction == 0.0 {
+            "samples"
+        } else {
+            "periods"
+        };
+        return Err(Failure::Arguments(format!(
+            "{} is {periods} {unit}, but the renderer models at most {LARGEST_DELAY}",
+            flags.actuation.delay_flag()
+        )));
+    }
+    Ok(())
 }
 
 /// Returns the duration of the soft start `[s]`.

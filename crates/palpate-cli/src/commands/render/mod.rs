@@ -30,13 +30,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     if let Some(input) = &arguments.input {
         return world::run(arguments, input);
     }
-    if arguments.trace.extension().is_some_and(|it| it == "toml") {
-        return Err(Failure::Arguments(format!(
-            "{}: render requires a table of positions; for a world, pass it with --input RECORDING.csv, with the \
-             columns t,x,y,z, or others with --columns",
-            arguments.trace.display()
-        )));
-    }
+    reject_world(&arguments.trace)?;
     let flags = &arguments.flags;
     let methods = flags.methods(MethodName::default());
     flags.check_settings(&methods)?;
@@ -65,68 +59,26 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     if let Some(inside) = inside::at_start(&setup, trace.position_m[0], is_unit_given) {
         tell(format_args!("warning: {inside}"));
     }
-    let settings = flags.settings();
+    let replay = TraceReplay {
+        arguments,
+        name: &name,
+        setup,
+        trace: &trace,
+        forces: forces.as_deref(),
+        methods: &methods,
+        progress: &progress,
+    };
+    let replayed = match arguments.replay.replay {
+        ReplayKind::Motion => replay.by_motion()?,
+        ReplayKind::Hand => replay.by_hand()?,
+    };
+    let title = format!("{}: {name}", replayed.replayed.title());
+    let (report, metadata) = replay.report(&replayed, &title, motion);
     let ReplayRuns {
         reference,
         runs,
         replayed,
-    } = match arguments.replay.replay {
-        ReplayKind::Motion => {
-            let (replay, runs) = render(setup, &trace, &methods, &settings, &progress)
-                .map_err(|error| in_trace(&name, period, error))?;
-            ReplayRuns {
-                reference: replay.reference().clone(),
-                runs,
-                replayed: Replayed::Motion,
-            }
-        }
-        ReplayKind::Hand => {
-            let device_mass = setup.device_mass.ok_or_else(|| {
-                Failure::Arguments(
-                    "--replay hand needs --device-mass <kg>, finite and above 0: the mass that the recorded hand \
-                     moved; --replay motion needs none"
-                        .into(),
-                )
-            })?;
-            let recorded = Recorded {
-                name: &name,
-                recording: OfAHand {
-                    times: &trace.t_s,
-                    positions: &trace.position_m,
-                    forces_on_device: forces.as_deref(),
-                },
-                device_mass,
-                at_its_instants: false,
-            };
-            let settings = methods.iter().map(|&method| (method, settings)).collect();
-            close_loop(
-                &recorded,
-                (&setup, &arguments.replay),
-                (&methods, &settings),
-                &progress,
-                &|_, error| loop_params(&name, error),
-            )?
-        }
-    };
-    let title = format!("{}: {name}", replayed.title());
-    let subject = Subject::of_replay(title.clone(), &setup);
-    let mut report = Report::new(&subject, &reference, &runs);
-    let mut metadata = metadata(&subject, setup.object, setup.virtual_force, &runs);
-    metadata.push(("trace".into(), name));
-    let part = arguments.part.metadata();
-    metadata.extend(part.map(|(key, value)| (format!("trace_{key}"), value)));
-    metadata.extend(replayed.metadata());
-    let model = actuation_lines(
-        &setup.actuation,
-        setup.delay().whole_samples(),
-        setup.loop_params.period,
-    );
-    let model: Vec<_> = model.collect();
-    let lines = model.iter();
-    metadata.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
-    report.actuated(model);
-    report.replayed(replayed.clone());
-    report.moved(motion);
+    } = replayed;
     deliver(
         (&arguments.results, &outputs),
         report,
@@ -135,6 +87,117 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         || RunsFigure::of_replay(&replayed, &title, (&reference, &runs), None).sheet(),
         progress,
     )
+}
+
+/// Rejects a world file at the place of a table of positions.
+fn reject_world(trace: &Path) -> Result<(), Failure> {
+    if trace.extension().is_some_and(|it| it == "toml") {
+        return Err(Failure::Arguments(format!(
+            "{}: render requires a table of positions; for a world, pass it with --input RECORDING.csv, with the \
+             columns t,x,y,z, or others with --columns",
+            trace.display()
+        )));
+    }
+    Ok(())
+}
+
+/// Replay of a trace.
+struct TraceReplay<'a> {
+    /// Arguments of the command.
+    arguments: &'a RenderArguments,
+    /// Name of the trace in messages.
+    name: &'a str,
+    /// Contact, loop and device.
+    setup: ReplaySetup,
+    /// Recorded motion.
+    trace: &'a Trace,
+    /// Recorded forces on the device `[N]`, if the trace has them.
+    forces: Option<&'a [f64]>,
+    /// Methods to render by.
+    methods: &'a [MethodName],
+    /// Progress of the command.
+    progress: &'a Progress,
+}
+
+impl TraceReplay<'_> {
+    /// Renders the recorded motion.
+    fn by_motion(&self) -> Result<ReplayRuns, Failure> {
+        let period = self.setup.loop_params.period;
+        let settings = self.arguments.flags.settings();
+        let (replay, runs) = render(
+            self.setup,
+            self.trace,
+            self.methods,
+            &settings,
+            self.progress,
+        )
+        .map_err(|error| in_trace(self.name, period, error))?;
+        Ok(ReplayRuns {
+            reference: replay.reference().clone(),
+            runs,
+            replayed: Replayed::Motion,
+        })
+    }
+
+    /// Renders the recorded hand in closed loop.
+    fn by_hand(&self) -> Result<ReplayRuns, Failure> {
+        let device_mass = self.setup.device_mass.ok_or_else(|| {
+            Failure::Arguments(
+                "--replay hand needs --device-mass <kg>, finite and above 0: the mass that the recorded hand \
+                 moved; --replay motion needs none"
+                    .into(),
+            )
+        })?;
+        let recorded = Recorded {
+            name: self.name,
+            recording: OfAHand {
+                times: &self.trace.t_s,
+                positions: &self.trace.position_m,
+                forces_on_device: self.forces,
+            },
+            device_mass,
+            at_its_instants: false,
+        };
+        let settings = self.arguments.flags.settings();
+        let methods = self.methods.iter();
+        let settings = methods.map(|&method| (method, settings)).collect();
+        close_loop(
+            &recorded,
+            (&self.setup, &self.arguments.replay),
+            (self.methods, &settings),
+            self.progress,
+            &|_, error| loop_params(self.name, error),
+        )
+    }
+
+    /// Returns the report of the runs and the metadata of a run file.
+    fn report(
+        &self,
+        of: &ReplayRuns,
+        title: &str,
+        motion: RecordedMotion,
+    ) -> (Report, Vec<(String, String)>) {
+        let (setup, runs) = (&self.setup, &of.runs);
+        let subject = Subject::of_replay(title.to_owned(), setup);
+        let mut report = Report::new(&subject, &of.reference, runs);
+        let mut metadata = metadata(&subject, setup.object, setup.virtual_force, runs);
+        metadata.push(("trace".into(), self.name.to_owned()));
+        let part = self.arguments.part.metadata();
+        metadata.extend(part.map(|(key, value)| (format!("trace_{key}"), value)));
+        metadata.extend(of.replayed.metadata());
+        let model = actuation_lines(
+            &setup.actuation,
+            setup.delay().whole_samples(),
+            setup.loop_params.period,
+        );
+        let model: Vec<_> = model.collect();
+        let lines = model.iter();
+        metadata.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
+        report.actuated(model);
+        report.replayed(of.replayed.clone());
+        report.moved(motion);
+        (report, metadata)
+    }
 }
 
 /// Renders a recorded motion by each of `methods`.

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 use palpate_core::Parameter;
 use palpate_record::recording::Recording;
+use palpate_scene::method::MethodName;
 use palpate_scene::{SceneFile, SetupError};
 use palpate_study::device_loop::RecordedWorld;
 use palpate_study::sim::closed_loop::LoopError;
@@ -70,27 +71,10 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     outputs.spare_inputs()?;
     let progress = Progress::new(methods.len());
     progress.begin(&format!("reading {name}"));
-    let failure = |method, error: ReplayError| match error {
-        ReplayError::Setup(SetupError::Parameter(parameter))
-            if flags.gives(parameter.parameter) =>
-        {
-            wrong_flag(&parameter)
-        }
-        ReplayError::Setup(setup) if flags.explain_settings() => wrong_setup(&setup),
-        ReplayError::Setup(setup) => in_file(file.locate(method, &setup)),
-        ReplayError::Bench(error) => wrong_on_bench(&error),
-        ReplayError::TooLong(periods) => Failure::input(format_args!(
-            "{name}: the recording has {periods} periods; {}",
-            how_to_cut()
-        )),
-        other => Failure::input(format_args!("{name}: {other}")),
-    };
-    let loop_params = |method, error| match error {
-        LoopError::Setup(setup) => failure(method, ReplayError::Setup(setup)),
-        LoopError::Bench(error) | LoopError::Ideal(ReferenceError::Scene(error)) => {
-            wrong_on_bench(&error)
-        }
-        other => Failure::input(format_args!("{name}: {other}")),
+    let failures = ReplayFailures {
+        flags,
+        file: &file,
+        name: &name,
     };
     let replay = RecordingReplay {
         recording: &recording,
@@ -118,8 +102,10 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         .by(&methods, tell_step(&progress))
         .map_err(|error| match error {
             RecordingReplayError::Ticks(error) => Failure::input(error),
-            RecordingReplayError::Motion(method, error) => failure(method, error),
-            RecordingReplayError::Hand(error) => wrong_hand(&name, error, &loop_params),
+            RecordingReplayError::Motion(method, error) => failures.of_motion(method, error),
+            RecordingReplayError::Hand(error) => wrong_hand(&name, error, &|method, error| {
+                failures.of_hand(method, error)
+            }),
         })?;
     warn_beyond_reach(&beyond_reach);
     deliver(
@@ -131,6 +117,49 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         progress,
     )?;
     whole_or_said(&recording)
+}
+
+/// Conversion of the errors of a replay.
+struct ReplayFailures<'a> {
+    /// Contact, loop, method and device from the command line.
+    flags: &'a Flags,
+    /// Scene of the recording.
+    file: &'a SceneFile,
+    /// Name of the recording in messages.
+    name: &'a str,
+}
+
+impl ReplayFailures<'_> {
+    /// Converts an error of a replay of the motion.
+    fn of_motion(&self, method: MethodName, error: ReplayError) -> Failure {
+        let Self { flags, file, name } = self;
+        match error {
+            ReplayError::Setup(SetupError::Parameter(parameter))
+                if flags.gives(parameter.parameter) =>
+            {
+                wrong_flag(&parameter)
+            }
+            ReplayError::Setup(setup) if flags.explain_settings() => wrong_setup(&setup),
+            ReplayError::Setup(setup) => in_file(file.locate(method, &setup)),
+            ReplayError::Bench(error) => wrong_on_bench(&error),
+            ReplayError::TooLong(periods) => Failure::input(format_args!(
+                "{name}: the recording has {periods} periods; {}",
+                how_to_cut()
+            )),
+            other => Failure::input(format_args!("{name}: {other}")),
+        }
+    }
+
+    /// Converts an error of a closed loop around the hand.
+    fn of_hand(&self, method: MethodName, error: LoopError) -> Failure {
+        match error {
+            LoopError::Setup(setup) => self.of_motion(method, ReplayError::Setup(setup)),
+            LoopError::Bench(error) | LoopError::Ideal(ReferenceError::Scene(error)) => {
+                wrong_on_bench(&error)
+            }
+            other => Failure::input(format_args!("{}: {other}", self.name)),
+        }
+    }
 }
 
 /// Returns the scene of the recording.

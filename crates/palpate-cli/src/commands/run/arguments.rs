@@ -107,5 +107,5 @@ pub struct SafetyArguments {
     /// Periods from one tick to the next after which the supervisor or the watchdog process disables the force
     /// [default: 1.5, or a period plus 3 ms if that is more: wake-ups are late by up to 3 ms]
     #[arg(long, value_name = "PERIODS", value_parser = number)]
-    pub stall_after: Option<f64>,
+    pub stall_after_periods: Option<f64>,
 }

@@ -54,7 +54,7 @@ pub fn run_session(
     arguments: &SessionArguments,
 ) -> Result<(), Failure> {
     let mut known = known_flags();
-    known.push("stall_after");
+    known.push("stall_after_periods");
     worlds::only(&arguments.given, &known, path)?;
     let session = Session {
         file: &worlds::guarded(&arguments.flags, file),

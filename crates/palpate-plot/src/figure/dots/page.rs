@@ -187,6 +187,26 @@ const DOTS: &str = "#0072b2";
 const FLOOR: &str = "#b5b5b5";
 const FLOOR_WIDTH: f64 = 4.0;
 
+/// Inside of a panel: its position and its axis.
+struct Inside<'a> {
+    /// Width, height of a line and range of the axis, common to all panels.
+    plan: &'a Plan,
+    /// Left edge `[px]`.
+    left: f64,
+    /// Upper edge `[px]`.
+    top: f64,
+    /// Lower edge `[px]`.
+    bottom: f64,
+}
+
+impl Inside<'_> {
+    /// Returns the horizontal position `[px]` of a decimal logarithm.
+    fn at(&self, log: f64) -> f64 {
+        let (low, high) = self.plan.range;
+        self.left + self.plan.panel * (log - low) / (high - low)
+    }
+}
+
 fn draw(
     page: &mut Scene,
     figure: &DotFigure,
@@ -198,11 +218,37 @@ fn draw(
     let height = panel.dots.len() as f64 * plan.line;
     let bottom = top + height;
     let (low, high) = plan.range;
-    let at = |log: f64| left + plan.panel * (log - low) / (high - low);
+    let inside = Inside {
+        plan,
+        left,
+        top,
+        bottom,
+    };
+    draw_axis(page, &inside, is_last);
+    if is_last {
+        let place = (left + 0.5 * plan.panel, bottom + 30.0);
+        let label = text::clean(&figure.x_label);
+        page.add(words(&label, place, LABEL_SIZE, TextAnchor::Middle, None));
+    }
+    if let Some(floor) = panel.floor.filter(|floor| *floor > 0.0) {
+        let x = inside.at(floor.log10().clamp(low, high));
+        page.add(line((x, top), (x, bottom), FLOOR, FLOOR_WIDTH, None));
+    }
+    for (number, dot) in panel.dots.iter().enumerate() {
+        let y = top + (number as f64 + 0.5) * plan.line;
+        draw_dot(page, figure, &inside, dot, y);
+    }
+    page.add(frame((left, top), (plan.panel, height), ink::FRAME));
+}
+
+/// Draws the grid lines and, below the last panel of a column, the ticks and numbers of the axis.
+fn draw_axis(page: &mut Scene, inside: &Inside, is_last: bool) {
+    let (top, bottom) = (inside.top, inside.bottom);
+    let (low, high) = inside.plan.range;
     // The last number is left of its tick. If it would overlap the number before it, only the tick is drawn.
     let number_width = |decade: f64| text::width(&axis::decade_label(decade), NAME_SIZE);
     let taken = number_width(high) + 0.5 * number_width(high - 1.0) + BETWEEN_NUMBERS;
-    let has_last_number = taken <= at(high) - at(high - 1.0);
+    let has_last_number = taken <= inside.at(high) - inside.at(high - 1.0);
     let mut decade = low;
     while decade <= high {
         for step in [1.0_f64, 2.0, 5.0] {
@@ -210,7 +256,7 @@ fn draw(
             if log > high + 1e-9 {
                 continue;
             }
-            let x = at(log);
+            let x = inside.at(log);
             page.add(line((x, top), (x, bottom), ink::GRID, 0.7, None));
             if is_last && step == 1.0 {
                 page.add(line((x, bottom), (x, bottom + 4.0), ink::FRAME, 0.8, None));
@@ -232,44 +278,37 @@ fn draw(
         }
         decade += 1.0;
     }
-    if is_last {
-        let place = (left + 0.5 * plan.panel, bottom + 30.0);
-        let label = text::clean(&figure.x_label);
-        page.add(words(&label, place, LABEL_SIZE, TextAnchor::Middle, None));
+}
+
+/// Draws a dot on its line at the height `y` `[px]`, and its note.
+fn draw_dot(page: &mut Scene, figure: &DotFigure, inside: &Inside, dot: &Dot, y: f64) {
+    let (left, plan) = (inside.left, inside.plan);
+    page.add(line(
+        (left, y),
+        (left + plan.panel, y),
+        ink::GRID,
+        0.7,
+        Some("1 3"),
+    ));
+    let ends = (left, left + plan.panel);
+    let x = mark(page, figure, dot, ends, y, |log| inside.at(log));
+    if dot.note.is_empty() {
+        return;
     }
-    if let Some(floor) = panel.floor.filter(|floor| *floor > 0.0) {
-        let x = at(floor.log10().clamp(low, high));
-        page.add(line((x, top), (x, bottom), FLOOR, FLOOR_WIDTH, None));
-    }
-    for (number, dot) in panel.dots.iter().enumerate() {
-        let y = top + (number as f64 + 0.5) * plan.line;
-        page.add(line(
-            (left, y),
-            (left + plan.panel, y),
-            ink::GRID,
-            0.7,
-            Some("1 3"),
-        ));
-        let x = mark(page, figure, dot, (left, left + plan.panel), y, at);
-        if dot.note.is_empty() {
-            continue;
-        }
-        let note = text::clean(&dot.note);
-        let room = left + plan.panel - x - DOT - 4.0;
-        let (x, anchor) = if text::width(&note, NOTE_SIZE) <= room {
-            (x + DOT + 4.0, TextAnchor::Start)
-        } else {
-            (x - DOT - 4.0, TextAnchor::End)
-        };
-        page.add(words(
-            &note,
-            (x, y + 3.5),
-            NOTE_SIZE,
-            anchor,
-            Some(ink::NOTE),
-        ));
-    }
-    page.add(frame((left, top), (plan.panel, height), ink::FRAME));
+    let note = text::clean(&dot.note);
+    let room = left + plan.panel - x - DOT - 4.0;
+    let (x, anchor) = if text::width(&note, NOTE_SIZE) <= room {
+        (x + DOT + 4.0, TextAnchor::Start)
+    } else {
+        (x - DOT - 4.0, TextAnchor::End)
+    };
+    page.add(words(
+        &note,
+        (x, y + 3.5),
+        NOTE_SIZE,
+        anchor,
+        Some(ink::NOTE),
+    ));
 }
 
 /// Draws the value of a dot and returns its position on the page.

@@ -4,7 +4,7 @@ mod font;
 mod path;
 
 use kuva::render::color::Color;
-use kuva::render::render::{Primitive, Scene, TextAnchor};
+use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Finish, Pdf, Rect, Ref, Str};
 
@@ -69,6 +69,37 @@ fn content(scene: &Scene, scale: f64) -> Vec<u8> {
 
 fn draw(content: &mut Content, element: &Primitive, words: Option<&str>) {
     match element {
+        Primitive::Text { .. } | Primitive::RichText { .. } => draw_words(content, element, words),
+        Primitive::Line { .. } | Primitive::PolyLine { .. } => draw_line(content, element),
+        Primitive::Path(path) => draw_path(content, path),
+        Primitive::Rect { .. } | Primitive::RectBatch { .. } => draw_rectangles(content, element),
+        Primitive::Circle { .. } | Primitive::CircleBatch { .. } => draw_circles(content, element),
+        Primitive::GroupStart { transform, .. } => {
+            content.save_state();
+            if let Some((x, y)) = transform.as_deref().and_then(translation) {
+                content.transform([1.0, 0.0, 0.0, 1.0, x, y]);
+            }
+        }
+        Primitive::ClipStart {
+            x,
+            y,
+            width,
+            height,
+            ..
+        } => {
+            content.save_state();
+            content.rect(single(*x), single(*y), single(*width), single(*height));
+            content.clip_nonzero().end_path();
+        }
+        Primitive::GroupEnd | Primitive::ClipEnd => {
+            content.restore_state();
+        }
+    }
+}
+
+/// Draws plain or rich text, in the colour `words` if it has none of its own; nothing for another element.
+fn draw_words(content: &mut Content, element: &Primitive, words: Option<&str>) {
+    match element {
         Primitive::Text {
             x,
             y,
@@ -102,6 +133,13 @@ fn draw(content: &mut Content, element: &Primitive, words: Option<&str>) {
                 (f64::from(*size), *anchor, false),
             );
         }
+        _ => {}
+    }
+}
+
+/// Draws a line of two or of many points; nothing for another element.
+fn draw_line(content: &mut Content, element: &Primitive) {
+    match element {
         Primitive::Line {
             x1,
             y1,
@@ -128,20 +166,29 @@ fn draw(content: &mut Content, element: &Primitive, words: Option<&str>) {
             points,
             (stroke, *stroke_width, stroke_dasharray.as_deref()),
         ),
-        Primitive::Path(path) => {
-            let stroked = stroke_with(
-                content,
-                &path.stroke,
-                path.stroke_width,
-                path.stroke_dasharray.as_deref(),
-            );
-            let filled = path
-                .fill
-                .as_ref()
-                .is_some_and(|fill| fill_with(content, fill));
-            path::add(content, &path.d);
-            paint(content, filled, stroked);
-        }
+        _ => {}
+    }
+}
+
+/// Draws a path, filled and stroked as it states.
+fn draw_path(content: &mut Content, path: &PathData) {
+    let stroked = stroke_with(
+        content,
+        &path.stroke,
+        path.stroke_width,
+        path.stroke_dasharray.as_deref(),
+    );
+    let filled = path
+        .fill
+        .as_ref()
+        .is_some_and(|fill| fill_with(content, fill));
+    path::add(content, &path.d);
+    paint(content, filled, stroked);
+}
+
+/// Draws one rectangle or a batch of them; nothing for another element.
+fn draw_rectangles(content: &mut Content, element: &Primitive) {
+    match element {
         Primitive::Rect {
             x,
             y,
@@ -159,6 +206,21 @@ fn draw(content: &mut Content, element: &Primitive, words: Option<&str>) {
             content.rect(single(*x), single(*y), single(*width), single(*height));
             paint(content, filled, stroked);
         }
+        Primitive::RectBatch { x, y, w, h, fills } => {
+            for ((((x, y), w), h), fill) in x.iter().zip(y).zip(w).zip(h).zip(fills) {
+                if fill_with(content, fill) {
+                    content.rect(single(*x), single(*y), single(*w), single(*h));
+                    content.fill_nonzero();
+                }
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Draws one circle or a batch of them; nothing for another element.
+fn draw_circles(content: &mut Content, element: &Primitive) {
+    match element {
         Primitive::Circle {
             cx,
             cy,
@@ -195,34 +257,7 @@ fn draw(content: &mut Content, element: &Primitive, words: Option<&str>) {
                 );
             }
         }
-        Primitive::RectBatch { x, y, w, h, fills } => {
-            for ((((x, y), w), h), fill) in x.iter().zip(y).zip(w).zip(h).zip(fills) {
-                if fill_with(content, fill) {
-                    content.rect(single(*x), single(*y), single(*w), single(*h));
-                    content.fill_nonzero();
-                }
-            }
-        }
-        Primitive::GroupStart { transform, .. } => {
-            content.save_state();
-            if let Some((x, y)) = transform.as_deref().and_then(translation) {
-                content.transform([1.0, 0.0, 0.0, 1.0, x, y]);
-            }
-        }
-        Primitive::ClipStart {
-            x,
-            y,
-            width,
-            height,
-            ..
-        } => {
-            content.save_state();
-            content.rect(single(*x), single(*y), single(*width), single(*height));
-            content.clip_nonzero().end_path();
-        }
-        Primitive::GroupEnd | Primitive::ClipEnd => {
-            content.restore_state();
-        }
+        _ => {}
     }
 }
 

@@ -16,6 +16,16 @@ const BALL: f64 = 0.055;
 const GAP: f64 = 0.06;
 const LINK: &str = "#d5e6f2";
 
+/// Joints of the mechanism in a pose, in the frame `[m]`.
+struct Joints {
+    /// Shafts of the motors, one for each arm.
+    motors: [(f64, f64); 2],
+    /// Joints between proximal and distal links, one for each arm.
+    elbows: [(f64, f64); 2],
+    /// The end-point.
+    tip: (f64, f64),
+}
+
 /// Draws the mechanism in its home pose, to scale.
 ///
 /// # Errors
@@ -24,7 +34,6 @@ pub fn drawing(linkage: &Linkage) -> Result<Drawing, NoPose> {
     let geometry = linkage.params.geometry;
     let pose = geometry.forward(linkage.params.home)?;
     let half = 0.5 * geometry.base;
-    let at = |x: f64, y: f64| (ORIGIN.0 + SCALE * x, ORIGIN.1 - SCALE * y);
     let motors = [(-half, 0.0), (half, 0.0)];
     let elbow = |arm: usize| {
         let [dx, dy] = pose.proximal[arm];
@@ -33,10 +42,37 @@ pub fn drawing(linkage: &Linkage) -> Result<Drawing, NoPose> {
     };
     let elbows = [elbow(0), elbow(1)];
     let [px, py] = end_point(&pose, elbows[0], geometry.distal);
-    let (tip, on_page) = (at(px, py), |place: (f64, f64)| at(place.0, place.1));
+    let places = Joints {
+        motors,
+        elbows,
+        tip: (px, py),
+    };
+    let tip = at(px, py);
 
     let mut page = Drawing::new(800.0, 620.0);
-    // Ground and frame.
+    draw_frame(&mut page);
+    draw_links(&mut page, &places);
+    joints(&mut page, motors.map(on_page), elbows.map(on_page), tip);
+    for arm in 0..2 {
+        name_arm(&mut page, &places, arm, linkage.params.home[arm]);
+    }
+    draw_base(&mut page, half);
+    contact(&mut page, tip);
+    Ok(page)
+}
+
+/// Returns the position on the page `[px]` of a place in the frame `[m]`.
+fn at(x: f64, y: f64) -> (f64, f64) {
+    (ORIGIN.0 + SCALE * x, ORIGIN.1 - SCALE * y)
+}
+
+/// Returns the position on the page `[px]` of a place in the frame `[m]`.
+fn on_page(place: (f64, f64)) -> (f64, f64) {
+    at(place.0, place.1)
+}
+
+/// Draws the ground and the axes of the frame.
+fn draw_frame(page: &mut Drawing) {
     page.ground((ORIGIN.0 - 110.0, ORIGIN.1 + 22.0), 220.0);
     page.arrow(ORIGIN, (ORIGIN.0 + 190.0, ORIGIN.1), Pen::THIN);
     page.words(
@@ -58,11 +94,15 @@ pub fn drawing(linkage: &Linkage) -> Result<Drawing, NoPose> {
         Beside::Right,
         drawing::SMALL,
     );
+}
 
+/// Draws the links of both arms.
+fn draw_links(page: &mut Drawing, places: &Joints) {
+    let tip = on_page(places.tip);
     // A thin line on a thick line gives each link an outline.
     for arm in 0..2 {
-        let elbow = on_page(elbows[arm]);
-        let links = [[on_page(motors[arm]), elbow], [elbow, tip]];
+        let elbow = on_page(places.elbows[arm]);
+        let links = [[on_page(places.motors[arm]), elbow], [elbow, tip]];
         let outline = Pen {
             width: 13.0,
             ..Pen::BODY
@@ -76,59 +116,66 @@ pub fn drawing(linkage: &Linkage) -> Result<Drawing, NoPose> {
             links.iter().for_each(|link| page.line(link, pen));
         }
     }
-    joints(&mut page, motors.map(on_page), elbows.map(on_page), tip);
+}
 
-    // Names of the links.
+/// Writes the names of the links, the elbow and the motor of an arm, and draws its motor angle `[rad]`.
+fn name_arm(page: &mut Drawing, places: &Joints, arm: usize, angle: f64) {
     let between = |a: (f64, f64), b: (f64, f64)| on_page((0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1)));
-    for arm in 0..2 {
-        let side = if arm == 0 { -1.0 } else { 1.0 };
-        let beside = if arm == 0 {
-            Beside::Left
-        } else {
-            Beside::Right
-        };
-        let low = between(motors[arm], elbows[arm]);
-        page.words(
-            "l",
-            (low.0 + side * 12.0, low.1 + 18.0),
-            beside,
-            drawing::WORDS,
-        );
-        let high = between(elbows[arm], (px, py));
-        page.words(
-            "L",
-            (high.0 + side * 14.0, high.1 - 8.0),
-            beside,
-            drawing::WORDS,
-        );
-        let elbow = on_page(elbows[arm]);
-        let name = ["A", "B"][arm];
-        page.words(
-            name,
-            (elbow.0 + side * 16.0, elbow.1 + 5.0),
-            beside,
-            drawing::WORDS,
-        );
-        let motor = on_page(motors[arm]);
-        let angle = linkage.params.home[arm];
-        page.line(&[motor, (motor.0 + 66.0, motor.1)], Pen::THOUGHT);
-        let radius = [62.0, 44.0][arm];
-        page.turn(motor, radius, (0.0, angle), Pen::MOTION);
-        let (sin, cos) = (0.55 * angle).sin_cos();
-        let reach = radius + 18.0;
-        let place = (motor.0 + reach * cos, motor.1 - reach * sin + 5.0);
-        let name = ["θ_1", "θ_2"][arm];
-        page.coloured(
-            name,
-            place,
-            Beside::Middle,
-            drawing::WORDS,
-            Some(Pen::MOTION.colour),
-        );
-        let motor_name = ["motor 1, τ_1", "motor 2, τ_2"][arm];
-        let place = (motor.0 + side * 20.0, motor.1 + 52.0);
-        page.words(motor_name, place, beside, drawing::SMALL);
-    }
+    let side = if arm == 0 { -1.0 } else { 1.0 };
+    let beside = if arm == 0 {
+        Beside::Left
+    } else {
+        Beside::Right
+    };
+    let low = between(places.motors[arm], places.elbows[arm]);
+    page.words(
+        "l",
+        (low.0 + side * 12.0, low.1 + 18.0),
+        beside,
+        drawing::WORDS,
+    );
+    let high = between(places.elbows[arm], places.tip);
+    page.words(
+        "L",
+        (high.0 + side * 14.0, high.1 - 8.0),
+        beside,
+        drawing::WORDS,
+    );
+    let elbow = on_page(places.elbows[arm]);
+    let name = ["A", "B"][arm];
+    page.words(
+        name,
+        (elbow.0 + side * 16.0, elbow.1 + 5.0),
+        beside,
+        drawing::WORDS,
+    );
+    let motor = on_page(places.motors[arm]);
+    draw_angle(page, motor, arm, angle);
+    let motor_name = ["motor 1, τ_1", "motor 2, τ_2"][arm];
+    let place = (motor.0 + side * 20.0, motor.1 + 52.0);
+    page.words(motor_name, place, beside, drawing::SMALL);
+}
+
+/// Draws the motor angle `[rad]` of an arm, around its motor on the page `[px]`.
+fn draw_angle(page: &mut Drawing, motor: (f64, f64), arm: usize, angle: f64) {
+    page.line(&[motor, (motor.0 + 66.0, motor.1)], Pen::THOUGHT);
+    let radius = [62.0, 44.0][arm];
+    page.turn(motor, radius, (0.0, angle), Pen::MOTION);
+    let (sin, cos) = (0.55 * angle).sin_cos();
+    let reach = radius + 18.0;
+    let place = (motor.0 + reach * cos, motor.1 - reach * sin + 5.0);
+    let name = ["θ_1", "θ_2"][arm];
+    page.coloured(
+        name,
+        place,
+        Beside::Middle,
+        drawing::WORDS,
+        Some(Pen::MOTION.colour),
+    );
+}
+
+/// Draws the dimension of the base, whose half is `half` `[m]`.
+fn draw_base(page: &mut Drawing, half: f64) {
     let base = (at(-half, 0.0), at(half, 0.0));
     let below = ORIGIN.1 + 58.0;
     for end in [base.0, base.1] {
@@ -146,8 +193,6 @@ pub fn drawing(linkage: &Linkage) -> Result<Drawing, NoPose> {
         drawing::WORDS,
         Some(Pen::MOTION.colour),
     );
-    contact(&mut page, tip, at);
-    Ok(page)
 }
 
 /// Returns the end-point `[m]`, with x from half-way between the motors.
@@ -168,7 +213,7 @@ fn joints(page: &mut Drawing, motors: [(f64, f64); 2], elbows: [(f64, f64); 2], 
 }
 
 /// Draws the ball above the end-point, the measured heights, and the forces.
-fn contact(page: &mut Drawing, tip: (f64, f64), at: impl Fn(f64, f64) -> (f64, f64)) {
+fn contact(page: &mut Drawing, tip: (f64, f64)) {
     let height = |y_on_page: f64| (ORIGIN.1 - y_on_page) / SCALE;
     let top = height(tip.1);
     // The end-point is a point; only the ball has an extent.
@@ -188,6 +233,12 @@ fn contact(page: &mut Drawing, tip: (f64, f64), at: impl Fn(f64, f64) -> (f64, f
         drawing::WORDS,
     );
 
+    draw_heights(page, tip, surface, centre);
+    draw_forces(page, tip, centre);
+}
+
+/// Draws the heights of end-point, ball surface and ball centre, radius and gap; all places on the page `[px]`.
+fn draw_heights(page: &mut Drawing, tip: (f64, f64), surface: (f64, f64), centre: (f64, f64)) {
     let column = tip.0 + 205.0;
     for (place, from, name) in [
         (tip, 12.0, "ξ = y_P"),
@@ -224,7 +275,10 @@ fn contact(page: &mut Drawing, tip: (f64, f64), at: impl Fn(f64, f64) -> (f64, f
         drawing::WORDS,
         colour,
     );
+}
 
+/// Draws the forces on the ball and the end-point, whose places are on the page `[px]`.
+fn draw_forces(page: &mut Drawing, tip: (f64, f64), centre: (f64, f64)) {
     let forces = Some(Pen::FORCE.colour);
     page.arrow(
         (centre.0, centre.1 - 34.0),

@@ -66,10 +66,19 @@ fn draw(page: &mut Drawing, mode: &Mode) {
     let pressed = (eta - xi).max(0.0);
     page.words(mode.head, (x, 30.0), Beside::Middle, drawing::HEAD);
     page.words(mode.condition, (x, 54.0), Beside::Middle, drawing::WORDS);
-
     // The spring hangs below the object; its unloaded end is the object's position η.
     let object = eta - FREE_LENGTH - 0.5 * OBJECT.1;
-    let end = eta - pressed;
+    draw_bodies(page, mode, object, eta - pressed);
+    draw_positions(page, mode, pressed);
+    draw_forces(page, mode, object, pressed);
+    write_equations(page, mode);
+}
+
+/// Draws the object, whose middle has the height `object` `[px]`, its spring down to the height `end` `[px]`, and the
+/// device.
+fn draw_bodies(page: &mut Drawing, mode: &Mode, object: f64, end: f64) {
+    let x = mode.middle;
+    let (_, xi) = mode.heights;
     page.spring((x, object + 0.5 * OBJECT.1), (x, end), 5, 30.0, Pen::BODY);
     page.line(&[(x - 26.0, end), (x + 26.0, end)], Pen::BODY);
     page.words(
@@ -87,8 +96,12 @@ fn draw(page: &mut Drawing, mode: &Mode) {
     );
     page.block((x, xi + 0.5 * DEVICE.1), DEVICE, FILLS.1);
     page.words("device, m", (x, xi + 20.0), Beside::Middle, drawing::WORDS);
+}
 
-    // Positions, on a separate axis.
+/// Draws the positions on a separate axis, and the compression `pressed` of the spring `[px]` if there is one.
+fn draw_positions(page: &mut Drawing, mode: &Mode, pressed: f64) {
+    let x = mode.middle;
+    let (eta, xi) = mode.heights;
     let axis = x + 105.0;
     page.arrow((axis, 450.0), (axis, 92.0), Pen::THIN);
     page.words(
@@ -119,8 +132,13 @@ fn draw(page: &mut Drawing, mode: &Mode) {
             Some(Pen::MOTION.colour),
         );
     }
+}
 
-    // Forces, each with its name beside the tail.
+/// Draws the forces, each with its name beside the tail; `object` is the height of the object's middle and `pressed`
+/// the compression of the spring `[px]`.
+fn draw_forces(page: &mut Drawing, mode: &Mode, object: f64, pressed: f64) {
+    let x = mode.middle;
+    let (_, xi) = mode.heights;
     let force = |page: &mut Drawing, from: (f64, f64), to: (f64, f64), name: &str| {
         page.arrow(from, to, Pen::FORCE);
         let place = (from.0 - 9.0, 0.5 * (from.1 + to.1) + 5.0);
@@ -137,6 +155,11 @@ fn draw(page: &mut Drawing, mode: &Mode) {
         let middle = xi + 0.5 * DEVICE.1;
         force(page, (beside, middle - 23.0), (beside, middle + 23.0), "−f");
     }
+}
+
+/// Writes the equations of a mode, one on each line.
+fn write_equations(page: &mut Drawing, mode: &Mode) {
+    let x = mode.middle;
     for (line, equation) in mode.equations.iter().enumerate() {
         let baseline = 492.0 + 22.0 * line as f64;
         page.words(

@@ -12,7 +12,7 @@ use palpate_testbed::world::{
 };
 use palpate_world::{
     EnergyLedger, Limited, Output, Quaternion, Sample, Vector, WorldError, WorldFault, WorldGuard,
-    WorldRenderer,
+    WorldRenderer, WorldState,
 };
 
 pub use evaluated::as_evaluated;
@@ -146,6 +146,64 @@ impl WorldRun {
     pub fn created(&self) -> f64 {
         self.recorded - self.found_at_start
     }
+
+    /// Returns the run of `method` before its first sample.
+    fn before(method: &str) -> Self {
+        Self {
+            method: method.to_owned(),
+            commanded: Vec::new(),
+            commanded_torques: Vec::new(),
+            delivered: Vec::new(),
+            delivered_torques: Vec::new(),
+            positions: Vec::new(),
+            orientations: Vec::new(),
+            evaluation: WorldEvaluation {
+                sum: None,
+                devices: Vec::new(),
+            },
+            ledger: EnergyLedger::default(),
+            refused: 0,
+            first_refusal: None,
+            limited: 0,
+            guarded: 0,
+            found_at_start: 0.0,
+            recorded: 0.0,
+            coarse: 0,
+            crowded: 0,
+            too_fast: 0,
+            went_through: 0,
+            first_through: None,
+        }
+    }
+
+    /// Adds the commands of a sample at `time` `[s]`, and counts its faults, limits and shortcomings. `guard_limits`:
+    /// the guard changes forces and does not only report.
+    fn add_output(&mut self, output: &Output<'_>, time: f64, guard_limits: bool) {
+        self.refused += usize::from(output.fault.is_some());
+        self.first_refusal = self.first_refusal.or(Refusal::new(output, time));
+        let changed = Limited {
+            guard: output.limited.guard && guard_limits,
+            ..output.limited
+        };
+        self.limited += usize::from(changed.any());
+        self.guarded += usize::from(output.limited.guard);
+        self.coarse += usize::from(output.effort.unrefined > 0);
+        self.crowded += usize::from(output.effort.left_out > 0);
+        self.too_fast += usize::from(output.effort.too_fast);
+        self.commanded.push(output.forces.to_vec());
+        self.commanded_torques.push(output.torques.to_vec());
+    }
+
+    /// Counts the tools and bodies that went through a solid by `time` `[s]`.
+    fn add_gone_through(&mut self, state: &WorldState, renderer: &WorldRenderer, time: f64) {
+        for pair in state.gone_through() {
+            self.went_through += 1;
+            self.first_through.get_or_insert_with(|| Through {
+                time,
+                names: pair.map(|side| renderer.name_of(side).to_owned()),
+            });
+        }
+    }
 }
 
 impl WorldBench {
@@ -261,76 +319,49 @@ impl WorldBench {
         };
         let mut state = renderer.start();
         let grid = &self.ideal.grid;
-        let mut run = WorldRun {
-            method: method.to_owned(),
-            commanded: Vec::new(),
-            commanded_torques: Vec::new(),
-            delivered: Vec::new(),
-            delivered_torques: Vec::new(),
-            positions: Vec::new(),
-            orientations: Vec::new(),
-            evaluation: WorldEvaluation {
-                sum: None,
-                devices: Vec::new(),
-            },
-            ledger: EnergyLedger::default(),
-            refused: 0,
-            first_refusal: None,
-            limited: 0,
-            guarded: 0,
-            found_at_start: 0.0,
-            recorded: 0.0,
-            coarse: 0,
-            crowded: 0,
-            too_fast: 0,
-            went_through: 0,
-            first_through: None,
-        };
+        let mut run = WorldRun::before(method);
         let end = grid.edge(grid.intervals());
         let period = self.params.period;
         let guard_limits = matches!(renderer.loop_params().guard, WorldGuard::Limit(_));
         while plant.time() < end - 0.5 * period {
-            let (mut measured, mut turned) = (plant.measure(), plant.measure_orientations());
-            let (mut positions, mut orientations) = (plant.positions(), plant.orientations());
-            if let Some(path) = &self.path {
-                measured = path.at(plant.time());
-                positions.clone_from(&measured);
-                if path.turns() {
-                    turned = path.orientations_at(plant.time());
-                    orientations.clone_from(&turned);
-                }
-            }
-            run.positions.push(positions);
-            run.orientations.push(orientations);
+            let (measured, turned) = self.take_poses(&plant, &mut run);
             let sample = Sample::at(&measured).turned(&turned);
             let is_first = run.positions.len() == 1;
             let time = plant.time();
             let output = renderer.step(&mut state, &sample);
-            run.refused += usize::from(output.fault.is_some());
-            run.first_refusal = run.first_refusal.or(Refusal::new(&output, time));
-            let changed = Limited {
-                guard: output.limited.guard && guard_limits,
-                ..output.limited
-            };
-            run.limited += usize::from(changed.any());
-            run.guarded += usize::from(output.limited.guard);
-            run.coarse += usize::from(output.effort.unrefined > 0);
-            run.crowded += usize::from(output.effort.left_out > 0);
-            run.too_fast += usize::from(output.effort.too_fast);
-            run.commanded.push(output.forces.to_vec());
-            run.commanded_torques.push(output.torques.to_vec());
+            run.add_output(&output, time, guard_limits);
             plant.hold_wrenches(output.forces, output.torques);
-            for pair in state.gone_through() {
-                run.went_through += 1;
-                run.first_through.get_or_insert_with(|| Through {
-                    time,
-                    names: pair.map(|side| renderer.name_of(side).to_owned()),
-                });
-            }
+            run.add_gone_through(&state, renderer, time);
             if is_first {
                 run.found_at_start = state.created_at_ports();
             }
         }
+        self.evaluate(&mut run, &plant)?;
+        run.recorded = state.created_at_ports();
+        run.ledger = state.ledger().clone();
+        Ok(run)
+    }
+
+    /// Records the poses of the devices at a sample; returns their measured positions `[m]` and orientations.
+    fn take_poses(&self, plant: &WorldPlant, run: &mut WorldRun) -> (Vec<Vector>, Vec<Quaternion>) {
+        let (mut measured, mut turned) = (plant.measure(), plant.measure_orientations());
+        let (mut positions, mut orientations) = (plant.positions(), plant.orientations());
+        if let Some(path) = &self.path {
+            measured = path.at(plant.time());
+            positions.clone_from(&measured);
+            if path.turns() {
+                turned = path.orientations_at(plant.time());
+                orientations.clone_from(&turned);
+            }
+        }
+        run.positions.push(positions);
+        run.orientations.push(orientations);
+        (measured, turned)
+    }
+
+    /// Records the delivered forces and torques over the ideal's grid and evaluates them.
+    fn evaluate(&self, run: &mut WorldRun, plant: &WorldPlant) -> Result<(), WorldBenchError> {
+        let grid = &self.ideal.grid;
         let devices = 0..self.evaluated.devices.len();
         let within = |mut delivered: Vec<Vector>| {
             delivered.truncate(grid.intervals());
@@ -344,8 +375,6 @@ impl WorldBench {
         let (forces, torques) = (&run.delivered, &run.delivered_torques);
         run.evaluation =
             WorldEvaluation::of_wrenches(&self.evaluated, &self.ideal, forces, torques)?;
-        run.recorded = state.created_at_ports();
-        run.ledger = state.ledger().clone();
-        Ok(run)
+        Ok(())
     }
 }

@@ -133,71 +133,93 @@ impl TriangleMesh {
             faces,
         };
         let mut lengths = 0.0;
-        for (number, face) in mesh.faces.iter().enumerate() {
+        for number in 0..mesh.faces.len() {
             let invalid = |reason| InvalidMesh {
                 triangle: number,
                 reason,
             };
-            if face.iter().any(|&corner| corner >= mesh.vertices.len()) {
-                return Err(invalid("a corner is not a vertex of the mesh"));
-            }
-            let [a, b, c] = face.map(|corner| mesh.vertices[corner]);
-            let normal = (b - a).cross(c - a).direction();
-            let normal = normal.filter(|normal| normal.norm().is_finite());
-            mesh.normals.push(normal.ok_or(invalid("it has no area"))?);
-            let middle = (a + b + c) * (1.0 / 3.0);
-            let radius = [a, b, c].map(|corner| (corner - middle).norm());
-            let radius = radius.into_iter().fold(0.0, f64::max);
-            mesh.balls.push((middle, radius * (1.0 + 1e-9)));
-            lengths += (b - a).norm() + (c - b).norm() + (a - c).norm();
+            lengths += mesh.add_face(number).map_err(invalid)?;
             let mut of_face = [0; 3];
-            for k in 0..3 {
-                let (from, to) = (face[k], face[(k + 1) % 3]);
-                mesh.faces_at[from].push(number);
-                let edge = *numbers
-                    .entry([from.min(to), from.max(to)])
-                    .or_insert(mesh.edges.len());
-                of_face[k] = edge;
-                if edge == mesh.edges.len() {
-                    mesh.edges_at[from].push(edge);
-                    mesh.edges_at[to].push(edge);
-                    mesh.edges.push(Edge {
-                        ends: [from, to],
-                        faces: vec![number],
-                        is_bend: false,
-                    });
-                    continue;
-                }
-                let edge = &mut mesh.edges[edge];
-                if edge.faces.len() == 2 || edge.ends != [to, from] {
-                    return Err(invalid(
-                        "an edge has a third face or a face of opposite winding",
-                    ));
-                }
-                let normals = [edge.faces[0], number].map(|face| mesh.normals[face]);
-                let [start, end] = edge.ends.map(|end| mesh.vertices[end]);
-                let along = (end - start).direction().unwrap_or(Vec3::ZERO);
-                let hollow = normals[1].cross(normals[0]).dot(along);
-                edge.is_bend = hollow > -FLAT && normals[0].dot(normals[1]) > SHARP;
-                mesh.has_bends |= edge.is_bend && hollow > FLAT;
-                edge.faces.push(number);
+            for (k, edge) in of_face.iter_mut().enumerate() {
+                *edge = mesh.add_edge(number, k, &mut numbers).map_err(invalid)?;
             }
             mesh.edges_of.push(of_face);
         }
         // Cells of about three edges.
         mesh.side = (3.0 * lengths / (3.0 * mesh.faces.len().max(1) as f64)).max(1e-9);
-        for number in 0..mesh.faces.len() {
-            let places = mesh.faces[number].map(|corner| mesh.vertices[corner].0);
+        mesh.fill_cells();
+        Ok(mesh)
+    }
+
+    /// Adds the normal and the ball of a face. Returns the length around the face `[m]`, or the reason for rejecting
+    /// it.
+    fn add_face(&mut self, number: usize) -> Result<f64, &'static str> {
+        let face = self.faces[number];
+        if face.iter().any(|&corner| corner >= self.vertices.len()) {
+            return Err("a corner is not a vertex of the mesh");
+        }
+        let [a, b, c] = face.map(|corner| self.vertices[corner]);
+        let normal = (b - a).cross(c - a).direction();
+        let normal = normal.filter(|normal| normal.norm().is_finite());
+        self.normals.push(normal.ok_or("it has no area")?);
+        let middle = (a + b + c) * (1.0 / 3.0);
+        let radius = [a, b, c].map(|corner| (corner - middle).norm());
+        let radius = radius.into_iter().fold(0.0, f64::max);
+        self.balls.push((middle, radius * (1.0 + 1e-9)));
+        Ok((b - a).norm() + (c - b).norm() + (a - c).norm())
+    }
+
+    /// Adds edge `k` of a face, or the face to the edge's first one. Returns the edge's number, or the reason for
+    /// rejecting the face. `numbers` holds the number of each edge by its ends.
+    fn add_edge(
+        &mut self,
+        number: usize,
+        k: usize,
+        numbers: &mut HashMap<[usize; 2], usize>,
+    ) -> Result<usize, &'static str> {
+        let face = self.faces[number];
+        let (from, to) = (face[k], face[(k + 1) % 3]);
+        self.faces_at[from].push(number);
+        let found = *numbers
+            .entry([from.min(to), from.max(to)])
+            .or_insert(self.edges.len());
+        if found == self.edges.len() {
+            self.edges_at[from].push(found);
+            self.edges_at[to].push(found);
+            self.edges.push(Edge {
+                ends: [from, to],
+                faces: vec![number],
+                is_bend: false,
+            });
+            return Ok(found);
+        }
+        let edge = &mut self.edges[found];
+        if edge.faces.len() == 2 || edge.ends != [to, from] {
+            return Err("an edge has a third face or a face of opposite winding");
+        }
+        let normals = [edge.faces[0], number].map(|face| self.normals[face]);
+        let [start, end] = edge.ends.map(|end| self.vertices[end]);
+        let along = (end - start).direction().unwrap_or(Vec3::ZERO);
+        let hollow = normals[1].cross(normals[0]).dot(along);
+        edge.is_bend = hollow > -FLAT && normals[0].dot(normals[1]) > SHARP;
+        self.has_bends |= edge.is_bend && hollow > FLAT;
+        edge.faces.push(number);
+        Ok(found)
+    }
+
+    /// Lists each face in the cells that it may reach.
+    fn fill_cells(&mut self) {
+        for number in 0..self.faces.len() {
+            let places = self.faces[number].map(|corner| self.vertices[corner].0);
             let most = |pick: fn(f64, f64) -> f64| {
                 Vec3(std::array::from_fn(|axis| {
                     pick(pick(places[0][axis], places[1][axis]), places[2][axis])
                 }))
             };
-            for cell in mesh.cells_between(most(f64::min), most(f64::max)) {
-                mesh.cells.entry(cell).or_default().push(number);
+            for cell in self.cells_between(most(f64::min), most(f64::max)) {
+                self.cells.entry(cell).or_default().push(number);
             }
         }
-        Ok(mesh)
     }
 
     /// Its vertices `[m]`.

@@ -215,7 +215,14 @@ const LENGTH_TOLERANCE: f64 = 1e-3;
 impl LocalContact {
     fn faults(&self, tools: usize, bodies: usize) -> Vec<(WorldField, String)> {
         let mut faults = Vec::new();
-        let mut vectors = vec![(WorldField::Place, self.place)];
+        self.check_touching(tools, bodies, &mut faults);
+        self.check_surface(bodies, &mut faults);
+        self.check_law(&mut faults);
+        faults
+    }
+
+    /// Reports a missing tool or body, a body that touches itself, or a wrong radius.
+    fn check_touching(&self, tools: usize, bodies: usize, faults: &mut Vec<(WorldField, String)>) {
         match self.touching {
             Touching::Tool(tool) if tool >= tools => {
                 faults.push((
@@ -224,12 +231,7 @@ impl LocalContact {
                 ));
             }
             Touching::Tool(_) => {}
-            Touching::Body {
-                body,
-                centre,
-                radius,
-            } => {
-                vectors.push((WorldField::Centre, centre));
+            Touching::Body { body, radius, .. } => {
                 if body >= bodies {
                     faults.push((
                         WorldField::Touching,
@@ -247,6 +249,10 @@ impl LocalContact {
                 }
             }
         }
+    }
+
+    /// Reports a surface of a missing body, or one with a wrong place, normal or curvature.
+    fn check_surface(&self, bodies: usize, faults: &mut Vec<(WorldField, String)>) {
         if let Some(on) = self.on
             && on >= bodies
         {
@@ -254,6 +260,10 @@ impl LocalContact {
                 WorldField::On,
                 format!("it is on body {on}, and there are {bodies} bodies, from 0"),
             ));
+        }
+        let mut vectors = vec![(WorldField::Place, self.place)];
+        if let Touching::Body { centre, .. } = self.touching {
+            vectors.push((WorldField::Centre, centre));
         }
         for (field, vector) in vectors {
             if !vector.iter().all(|x| x.is_finite()) {
@@ -278,6 +288,10 @@ impl LocalContact {
                 format!("curvature is {curvature} 1/m, and has to be a number"),
             ));
         }
+    }
+
+    /// Reports the values of the contact law that are out of range.
+    fn check_law(&self, faults: &mut Vec<(WorldField, String)>) {
         let ContactLaw {
             stiffness,
             damping,
@@ -303,6 +317,5 @@ impl LocalContact {
             let fault = out_of_range(field, value, range);
             faults.extend(fault.map(|message| (field, message)));
         }
-        faults
     }
 }

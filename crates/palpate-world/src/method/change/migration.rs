@@ -82,6 +82,35 @@ impl WorldRenderer {
         if is_same_guard {
             new.guard.copy_from(&old.guard);
         }
+        self.carry_motion(new, (before, old), succession, is_same_method);
+        carry_ledger(new, old, succession);
+        self.carry_links(new, old, succession);
+        self.settle(new, &New::Since(succession));
+        if is_same_method {
+            let points = &succession.points;
+            state.memory.goes_on_from(&past.memory, points);
+            state.progress.tools.copy_from_slice(&past.progress.tools);
+        } else if state.progress.tracking.in_progress {
+            self.begin_method(state, &past.progress, succession);
+        }
+        let progress = &mut state.progress;
+        let created = past.progress.at_ports.created();
+        progress.at_ports.resume(&progress.ledger, created);
+        if !is_same_guard {
+            let progress = &mut state.progress;
+            let commands = (&progress.commands, &progress.torque_commands);
+            progress.guard.begin_at(&progress.ledger, commands);
+        }
+    }
+
+    /// Copies the motion of continued tools and bodies, and the states of their contacts.
+    fn carry_motion(
+        &self,
+        new: &mut Progress,
+        (before, old): (&Self, &Progress),
+        succession: &Succession,
+        is_same_method: bool,
+    ) {
         let parts = new.now.parts.iter_mut().zip(&succession.parts);
         for (number, (part, was)) in parts.enumerate() {
             match was {
@@ -111,24 +140,10 @@ impl WorldRenderer {
                 blocks.copy_from(&old.now.blocks[*was]);
             }
         }
-        let ledger = &mut new.ledger;
-        ledger.gone = old.ledger.gone;
-        ledger.devices.copy_from_slice(&old.ledger.devices);
-        carry(
-            &mut ledger.contacts,
-            &old.ledger.contacts,
-            &succession.points,
-        );
-        // All energy of new elements is external.
-        carry(&mut ledger.joints, &old.ledger.joints, &succession.joints);
-        carry(&mut ledger.bodies, &old.ledger.bodies, &succession.bodies);
-        let stored = ledger.take_leave(
-            &old.ledger,
-            &succession.points,
-            &succession.bodies,
-            &succession.joints,
-        );
-        new.guard.appeared(-stored);
+    }
+
+    /// Continues the links of continued joints, and attaches those of new joints at the current poses.
+    fn carry_links(&self, new: &mut Progress, old: &Progress, succession: &Succession) {
         let befores = |joint: usize| old.now.links.iter().filter(move |link| link.joint == joint);
         for (joint, was) in succession.joints.iter().enumerate() {
             let links = new.now.links.iter_mut();
@@ -140,30 +155,19 @@ impl WorldRenderer {
                 None => links.for_each(|link| link.is_borne(&self.parts, &new.now.parts)),
             }
         }
-        self.settle(new, &New::Since(succession));
-        if is_same_method {
-            let points = &succession.points;
-            state.memory.goes_on_from(&past.memory, points);
-            state.progress.tools.copy_from_slice(&past.progress.tools);
-        } else if state.progress.tracking.in_progress {
-            self.meet_devices(&mut state.progress, &mut state.memory);
-            // The resulting change is external, because no held force caused it.
-            let contacts = state.progress.ledger.contacts.iter_mut();
-            for (entry, was) in contacts.zip(&succession.points) {
-                let before = was.map_or(0.0, |was| past.progress.ledger.contacts[was].observed);
-                entry.outside += entry.observed - before;
-                entry.observed = before;
-            }
-            self.publish(&mut state.progress, &state.memory);
+    }
+
+    /// Starts a method that differs from that of the old world, and records the change in energy as external.
+    fn begin_method(&self, state: &mut WorldState, old: &Progress, succession: &Succession) {
+        self.meet_devices(&mut state.progress, &mut state.memory);
+        // The resulting change is external, because no held force caused it.
+        let contacts = state.progress.ledger.contacts.iter_mut();
+        for (entry, was) in contacts.zip(&succession.points) {
+            let before = was.map_or(0.0, |was| old.ledger.contacts[was].observed);
+            entry.outside += entry.observed - before;
+            entry.observed = before;
         }
-        let progress = &mut state.progress;
-        let created = past.progress.at_ports.created();
-        progress.at_ports.resume(&progress.ledger, created);
-        if !is_same_guard {
-            let progress = &mut state.progress;
-            let commands = (&progress.commands, &progress.torque_commands);
-            progress.guard.begin_at(&progress.ledger, commands);
-        }
+        self.publish(&mut state.progress, &state.memory);
     }
 
     /// Initialises a method without device state: the devices are at rest at the last sample.
@@ -179,6 +183,24 @@ impl WorldRenderer {
     /// Evaluates the new elements after an external change, and records the change in energy. The other elements keep
     /// the forces of their last evaluation, so their motion is unaffected.
     pub(super) fn settle(&self, state: &mut Progress, new: &New<'_>) {
+        self.evaluate_new(state, new);
+        let appeared = self.record_stored(state);
+        let parts = &state.now.parts[self.tools..];
+        for (entry, part) in state.ledger.bodies.iter_mut().zip(parts) {
+            let kinetic = part.mobility.kinetic_energy(&part.rigid);
+            entry.outside += kinetic - entry.kinetic;
+            entry.kinetic = kinetic;
+        }
+        for (part, body) in parts.iter().zip(&mut state.bodies) {
+            *body = body_state(part);
+        }
+        state.guard.appeared(appeared);
+        state.now.begin();
+        show_contacts(&mut state.contacts, &state.now);
+    }
+
+    /// Evaluates the new elements at the current poses, and sums the loads of all elements on the bodies.
+    fn evaluate_new(&self, state: &mut Progress, new: &New<'_>) {
         let Progress { now, room, .. } = state;
         now.begin();
         now.recollect();
@@ -222,6 +244,10 @@ impl WorldRenderer {
             link.stored = seen.stored;
             link.load(&mut now.parts);
         }
+    }
+
+    /// Records the change in the stored energy of contacts and joints as external. Returns its sum `[J]`.
+    fn record_stored(&self, state: &mut Progress) -> f64 {
         let mut appeared = 0.0;
         for (number, (entry, point)) in state
             .ledger
@@ -250,19 +276,30 @@ impl WorldRenderer {
             appeared += stored - entry.stored;
             entry.stored = stored;
         }
-        let parts = &state.now.parts[self.tools..];
-        for (entry, part) in state.ledger.bodies.iter_mut().zip(parts) {
-            let kinetic = part.mobility.kinetic_energy(&part.rigid);
-            entry.outside += kinetic - entry.kinetic;
-            entry.kinetic = kinetic;
-        }
-        for (part, body) in parts.iter().zip(&mut state.bodies) {
-            *body = body_state(part);
-        }
-        state.guard.appeared(appeared);
-        state.now.begin();
-        show_contacts(&mut state.contacts, &state.now);
+        appeared
     }
+}
+
+/// Copies the ledgers of devices and of continued contacts, joints and bodies.
+fn carry_ledger(new: &mut Progress, old: &Progress, succession: &Succession) {
+    let ledger = &mut new.ledger;
+    ledger.gone = old.ledger.gone;
+    ledger.devices.copy_from_slice(&old.ledger.devices);
+    carry(
+        &mut ledger.contacts,
+        &old.ledger.contacts,
+        &succession.points,
+    );
+    // All energy of new elements is external.
+    carry(&mut ledger.joints, &old.ledger.joints, &succession.joints);
+    carry(&mut ledger.bodies, &old.ledger.bodies, &succession.bodies);
+    let stored = ledger.take_leave(
+        &old.ledger,
+        &succession.points,
+        &succession.bodies,
+        &succession.joints,
+    );
+    new.guard.appeared(-stored);
 }
 
 /// Copies the ledgers of continued elements. Those of new elements are empty.

@@ -1,0 +1,68 @@
+//! `[renderer]` of a scene file.
+
+use palpate_core::{Guard, LoopParams, Parameter};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::fault::Places;
+use super::guard::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode};
+use super::parameter::SceneParameter::{self, self as Of};
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawRenderer {
+    pub method: Option<Spanned<String>>,
+    device_mass_kg: Option<Spanned<f64>>,
+    pub unilateral: Option<bool>,
+    force_limit_n: Option<Spanned<f64>>,
+    slew_limit_n_per_s: Option<Spanned<f64>>,
+    speed_limit_m_per_s: Option<Spanned<f64>>,
+    largest_gap_s: Option<Spanned<f64>>,
+    guard: Option<RawGuard>,
+}
+
+/// A bound on the energy that held forces give out.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawGuard {
+    mode: GuardMode,
+    speed_m_per_s: Option<Spanned<f64>>,
+    allowance_j: Option<Spanned<f64>>,
+}
+
+impl RawRenderer {
+    /// Returns the loop of a period `[s]` with limits and guard, and the device mass that the renderer assumes `[kg]`.
+    pub fn read(
+        self,
+        period: f64,
+        places: &mut Places<SceneParameter>,
+    ) -> (LoopParams<f64>, Option<f64>) {
+        let mut limit = |of: SceneParameter, value: Option<Spanned<f64>>| {
+            value.map(|value| places.take(of, value))
+        };
+        let loop_params = LoopParams {
+            // A simulated device does not glitch; a loop that diverges is to be seen doing so.
+            speed_limit: limit(Parameter::SpeedLimit.into(), self.speed_limit_m_per_s),
+            force_limit: limit(Parameter::ForceLimit.into(), self.force_limit_n),
+            slew_limit: limit(Parameter::SlewLimit.into(), self.slew_limit_n_per_s),
+            largest_gap: limit(Parameter::LargestGap.into(), self.largest_gap_s),
+            ..LoopParams::new(period)
+        };
+        let model_device_mass = limit(Of::ModelDeviceMass, self.device_mass_kg);
+        let guard = self.guard.map_or(Guard::Off, |guard| {
+            guard.mode.guard(
+                places.take_or(Parameter::GuardSpeed, guard.speed_m_per_s, GUARD_SPEED),
+                places.take_or(
+                    Parameter::GuardAllowance,
+                    guard.allowance_j,
+                    GUARD_ALLOWANCE,
+                ),
+            )
+        });
+        let loop_params = LoopParams {
+            guard,
+            ..loop_params
+        };
+        (loop_params, model_device_mass)
+    }
+}
