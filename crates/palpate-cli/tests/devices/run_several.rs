@@ -190,8 +190,7 @@ fn a_device_that_is_not_named_as_it_must_be_is_refused() {
 #[test]
 fn a_page_has_several_devices_each_by_its_name() {
     let folder = folder();
-    let live =
-        "live pinch.toml --listen 127.0.0.1:0 --duration 0.2 --stall-after-periods 1000 --priority 0";
+    let live = "live pinch.toml --listen 127.0.0.1:0 --duration 0.2 --stall-after-periods 1000 --priority 0";
     // 5 if a busy machine kept the motors off for most of the time.
     for (devices, device) in [
         (&[][..], "`left: pointer, right: pointer`"),

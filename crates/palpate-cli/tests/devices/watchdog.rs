@@ -227,7 +227,12 @@ fn no_signal_leaves_a_torque_on() {
                     let Some((number, does)) = signals.get(index).copied() else {
                         break;
                     };
-                    let after = strikes(number, does, "--priority 0 --stall-after-periods 50", emulator);
+                    let after = strikes(
+                        number,
+                        does,
+                        "--priority 0 --stall-after-periods 50",
+                        emulator,
+                    );
                     took.lock().unwrap().push((number, does, after));
                 }
             });
@@ -278,7 +283,11 @@ fn stopped_for_a_while_it_comes_back() -> bool {
     let emulator = emulator(&folder);
     let port = emulator.path();
     let begun = Instant::now();
-    let mut run = pressing(&folder, &emulator, "--json --priority 0 --stall-after-periods 50");
+    let mut run = pressing(
+        &folder,
+        &emulator,
+        "--json --priority 0 --stall-after-periods 50",
+    );
     // More ticks than a recovery takes.
     wait_for("ticks", || {
         emulator.seen().len() > 1000 || run.try_wait().unwrap().is_some()
@@ -367,7 +376,11 @@ fn without_its_watchdog(number: i32) -> (String, serde_json::Value) {
     let folder = folder();
     let emulator = emulator(&folder);
     let port = emulator.path();
-    let run = pressing(&folder, &emulator, "--json --priority 0 --stall-after-periods 50");
+    let run = pressing(
+        &folder,
+        &emulator,
+        "--json --priority 0 --stall-after-periods 50",
+    );
     assert!(signal(number, watchdog(&run)));
     wait_for("no torque", || {
         off_since(&emulator).is_some_and(|since| since.elapsed() > Duration::from_millis(300))

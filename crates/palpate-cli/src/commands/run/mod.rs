@@ -210,7 +210,10 @@ pub fn limits(device: &Capabilities, arguments: &SafetyArguments) -> SafetyParam
     set(&mut limits.largest_speed, arguments.safe_speed);
     set(&mut limits.soft_start, arguments.soft_start);
     set(&mut limits.oscillation.energy, arguments.oscillation);
-    set(&mut limits.stall_after_periods, arguments.stall_after_periods);
+    set(
+        &mut limits.stall_after_periods,
+        arguments.stall_after_periods,
+    );
     if arguments.stall_after_periods.is_some() {
         // Exactly this number of periods.
         limits.tolerated_lateness = 0.0;
