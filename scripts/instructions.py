@@ -24,7 +24,7 @@ TABLE = ROOT / "crates/palpate-core/benches/instructions.csv"
 
 def build():
     """Builds the counted program and returns its path."""
-    command = ["cargo", "bench", "-p", "palpate", "--bench", "instructions", "--no-run"]
+    command = ["cargo", "bench", "-p", "palpate-core", "--bench", "instructions", "--no-run"]
     command += ["--message-format", "json-render-diagnostics"]
     # An incremental build inlines less and gives higher counts.
     whole = {**os.environ, "CARGO_INCREMENTAL": "0"}
