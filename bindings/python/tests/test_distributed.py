@@ -112,7 +112,7 @@ def test_what_is_there_is_not_made_again(client: Any, tmp_path: Path) -> None:
     assert again.merge(tmp_path) == palpate.suite("paper", "basic", plants=3)
 
 
-def test_parts_of_another_study_are_told_apart(root: Path, tmp_path: Path) -> None:
+def test_parts_of_another_study_are_rejected(root: Path, tmp_path: Path) -> None:
     study = distributed.suite("paper", "basic", plants=3, parts=3)
     study.make(1, tmp_path)
     for other, key in [

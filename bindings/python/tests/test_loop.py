@@ -185,7 +185,7 @@ def test_a_device_that_goes_ends_the_loop_which_says_so_once_its_ticks_are_read(
     assert running.stop() == running.report
 
 
-def test_a_loop_that_stands_still_is_told_by_read() -> None:
+def test_read_reports_a_stalled_loop() -> None:
     """A period of 1 s stands for a device that does not answer."""
     with pytest.warns(UserWarning, match="milliseconds"):
         slow = wall(period=1.0)
@@ -308,7 +308,7 @@ ctypes.pythonapi.Py_IncRef(ctypes.py_object(loop))
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system forks no process")
 @pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
-def test_a_process_that_was_forked_off_is_told_and_the_loop_goes_on() -> None:
+def test_read_in_forked_process_fails_and_loop_continues() -> None:
     def child(said: Any) -> None:
         try:
             running.read()

@@ -124,7 +124,7 @@ def test_bodies_and_devices_are_given_the_same_impulse_whatever_the_joint() -> N
     assert data.qvel[0] > 1.0 and abs(torque / (moment * data.qvel[0]) - 1) < 0.03, (torque, moment * data.qvel[0])
 
 
-def test_a_tool_rests_on_what_is_fixed_and_follows_the_avatar() -> None:
+def test_tool_rests_on_fixed_geoms_and_follows_the_proxy() -> None:
     model, data = load(
         '<geom name="floor" type="plane" size="1 1 1"/><geom name="wall" type="box" pos="0.3 0 0" size="0.1 1 1"/>'
         '<body name="hand" mocap="true" pos="0 0 1"><geom name="tip" type="sphere" size="0.02"/></body>'
@@ -383,7 +383,7 @@ def test_the_example_with_a_window_follows_the_mouse() -> None:
 
 
 @pytest.mark.parametrize("period, stiffness", table.RATES)
-def test_a_delay_that_is_told_costs_nothing(period: float, stiffness: float) -> None:
+def test_model_delay_removes_the_error_of_late_forces(period: float, stiffness: float) -> None:
     """Each force acts a period late. Told, the engine is ahead by that; not told, the error is that of the delay."""
     scene = table.scenes(period, stiffness)[0]
     ideal = palpate.simulate(scene.world)

@@ -69,7 +69,7 @@ def test_a_notebook_gives_the_outputs_that_stand_in_it(path: Path, monkeypatch: 
         path.write_text(path_text, encoding="utf-8")
 
 
-def test_there_are_notebooks() -> None:
+def test_notebooks_exist_and_are_small() -> None:
     assert len(NOTEBOOKS) >= 5
     # Keep the files small enough to review.
     assert all(path.stat().st_size < 400_000 for path in NOTEBOOKS)

@@ -127,7 +127,7 @@ def test_a_reset_begins_anew_and_a_teleport_is_booked() -> None:
     assert renderer.ledger.outside_work < 0.0
 
 
-def test_what_was_sent_is_what_the_books_count() -> None:
+def test_ledger_records_the_reported_sent_force() -> None:
     work = []
     for sent in (None, 0.0):
         renderer = palpate.Renderer(**{**CONTACT, "mass": math.inf}, method="basic", soft_start=0)

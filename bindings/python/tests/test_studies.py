@@ -68,14 +68,14 @@ def test_a_damping_is_tuned_as_by_the_program(program: Any, root: Path) -> None:
         assert str(raised.value).startswith(words)
 
 
-def test_start_heights_are_judged_as_by_the_program(program: Any, root: Path) -> None:
+def test_start_heights_match_the_cli(program: Any, root: Path) -> None:
     theirs = program.json("heights", FIG2, "--method", "basic,coupled", "--model-mass-factor", 1.5)
     assert palpate.heights(FIG2, ["basic", "coupled"], model_mass_factor=1.5) == theirs
     with pytest.raises(ValueError, match="model_mass_factor is 0, but must be finite and greater than 0"):
         palpate.heights(FIG2, model_mass_factor=0)
 
 
-def test_random_plants_are_judged_as_by_the_program(program: Any, root: Path) -> None:
+def test_suite_of_random_plants_matches_the_cli(program: Any, root: Path) -> None:
     for name in ("paper", "desk"):
         theirs = program.json("suite", "--set", name, "--plants", 3, "--method", "hfcr,coupled")
         assert palpate.suite(name, ["hfcr", "coupled"], plants=3) == theirs

@@ -139,7 +139,7 @@ def test_rows_of_several_devices_are_poses_where_one_of_them_turns() -> None:
 
 
 @pytest.mark.parametrize(("name", "kind"), [("drawer", "slider"), ("lever", "hinge")])
-def test_the_books_of_a_joint_close(root: Path, name: str, kind: str) -> None:
+def test_ledger_of_joint_closes(root: Path, name: str, kind: str) -> None:
     world = palpate.World(f"experiments/worlds/{name}.toml")
     assert [joint.kind for joint in world.ledger.joints] == [kind]
     start = np.array(world.to_dict()["device"][0]["position_m"])

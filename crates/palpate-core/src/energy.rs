@@ -120,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_change_from_outside_that_would_overflow_books_nothing() {
+    fn overflowing_outside_change_leaves_ledger_unchanged() {
         let mut ledger = Ledger {
             outside_work: 1.7e308,
             ..Ledger::open(0.0)

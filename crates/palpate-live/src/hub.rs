@@ -238,7 +238,7 @@ mod tests {
 
     /// A client that receives the number of clients is counted, even if it joins at that moment.
     #[test]
-    fn whoever_is_told_how_many_there_are_is_counted() {
+    fn client_that_receives_the_count_is_included_in_it() {
         let hub = Hub::default();
         let is_over = AtomicBool::new(false);
         let heard: Vec<_> = std::thread::scope(|scope| {
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn whoever_comes_late_is_told_the_state_as_it_is() {
+    fn late_client_receives_the_current_state() {
         let hub = Hub::default();
         hub.set_hello("hello".into());
         hub.set_state("first".into());

@@ -338,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_renderer_is_told_of_the_device_is_set_and_the_device_stays() {
+    fn model_values_change_the_rendering_and_not_the_device() {
         let scene = scene();
         let before = Settings::new(&scene, &[MethodName::Coupled]);
         let limits = Limits::around(&before, &scene);
@@ -429,7 +429,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_renderer_takes_is_told_by_the_page_s_field() {
+    fn invalid_settings_are_reported_by_page_field() {
         let scene = scene();
         let model = |change: fn(&mut Settings)| {
             let mut settings = Settings::new(&scene, &[MethodName::Hfcr]);

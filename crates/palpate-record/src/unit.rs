@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn micrometres_are_told_from_millimetres() {
+    fn micrometres_are_distinguished_from_millimetres() {
         let motion = swing(20_000.0, 1.0, 1, |_, x| x).excess().unwrap();
         assert_eq!(motion.likely_unit(), LengthUnit::Micrometre);
     }

@@ -449,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn a_floor_that_goes_lets_go_in_a_tenth_of_a_second_and_a_refused_sample_at_once() {
+    fn force_of_removed_floor_fades_and_refused_sample_zeroes_it_at_once() {
         for is_refused in [false, true] {
             let mut world = world(unbounded());
             held(&mut world, 2e-3);

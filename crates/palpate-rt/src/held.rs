@@ -109,7 +109,7 @@ mod tests {
 
     /// A supervisor reports its cut at 9 ms first; a watchdog process had cut at 3 ms.
     #[test]
-    fn the_first_who_took_it_off_counts_whoever_tells_it_first() {
+    fn earliest_cut_determines_mean_wrench_in_any_report_order() {
         let ms = Duration::from_millis;
         let force = |force| Wrench {
             force: [force, 0.0, 0.0],

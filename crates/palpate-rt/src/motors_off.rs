@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_trip_counts_from_its_command_to_the_next_force() {
+    fn motors_off_time_spans_stop_command_to_next_force() {
         let came_back = after(|off| {
             off.tick(ms(10), ms(11), false);
             off.tick(ms(20), ms(21), true);

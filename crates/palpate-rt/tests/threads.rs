@@ -193,7 +193,7 @@ fn a_loop_without_a_thread_leaves_no_force_when_it_is_dropped() {
 }
 
 #[test]
-fn a_panic_leaves_no_force_and_is_told() {
+fn driver_panic_zeroes_force_and_is_reported() {
     let (control, seen) = control(FaultKind::Panics, 0.001);
     let end = start(control, &StopFlag::new()).join();
     assert_eq!(end.ending, Ending::Panicked);

@@ -79,7 +79,7 @@ fn comes(board: &mut UnixStream, length: usize, patience: Duration) -> Vec<u8> {
 const LONG: Duration = Duration::from_secs(20);
 
 #[test]
-fn a_silence_with_a_force_on_ends_in_no_force_and_the_driver_is_told() {
+fn watchdog_zeroes_force_after_silence_and_notifies_driver() {
     let mut guarded = guarded(LIMIT);
     guarded.watchdog.force().unwrap();
     let spoken = Instant::now();
@@ -167,7 +167,7 @@ fn a_driver_that_is_gone_leaves_no_force_and_the_board_is_asked() {
 }
 
 #[test]
-fn a_port_that_is_gone_is_let_go_of_at_once() {
+fn watchdog_reports_port_gone_after_port_disappears() {
     let guarded = guarded(LIMIT);
     guarded.watchdog.force().unwrap();
     drop(guarded.board);

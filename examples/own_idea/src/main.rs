@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn an_own_method_on_an_own_device_is_judged_as_the_built_in_ones_are() {
+    fn custom_method_on_custom_device_is_evaluated_like_built_in_methods() {
         let (reference, runs) = runs().unwrap();
         assert_eq!(runs.len(), MethodName::ALL.len() + 1);
         let own = runs.last().unwrap();

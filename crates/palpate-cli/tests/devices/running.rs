@@ -207,7 +207,7 @@ fn a_pointer_leads_the_device_of_the_scene() {
 
 /// A delay beyond the renderer's model is reported.
 #[test]
-fn a_delay_beyond_what_a_renderer_knows_is_told() {
+fn delay_above_model_limit_is_reported() {
     let folder = folder_with_scenes();
     let words = "the other 4 of these 12 are unmodelled";
     let answer = folder.palpate("simulate wall.toml --delay-periods 12 --method hfcr");
@@ -431,7 +431,7 @@ fn a_loop_that_is_frozen_again_and_again_ends_with_its_motors_off() {
 
 /// As with a full disk: the loop continues, and the user is warned at once.
 #[test]
-fn a_recording_that_cannot_grow_is_told_at_once_and_the_loop_goes_on() {
+fn recording_write_failure_is_reported_at_once_and_loop_continues() {
     let folder = folder_with_scenes();
     let record = "record wall.toml full.mcap --duration inf --period 0.001 --json --priority 0";
     let limited = format!(

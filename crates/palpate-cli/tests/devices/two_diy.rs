@@ -201,7 +201,7 @@ fn a_run_that_is_terminated_leaves_no_torque() {
 
 /// The board holds its torque, which only this warning reveals.
 #[test]
-fn a_board_that_has_not_said_that_it_holds_no_torque_is_told_of() {
+fn output_that_could_not_be_disabled_causes_warning() {
     let folder = folder();
     let emulator = emulator(&folder);
     let run = format!("run wall.toml {DEVICE} {WALL} --duration inf");

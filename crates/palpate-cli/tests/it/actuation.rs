@@ -54,7 +54,7 @@ fn piped(folder: &Folder, flags: &str) -> Vec<f64> {
 
 /// A sensor whose noise exceeds that of its steps has a model value with steps of that noise.
 #[test]
-fn the_noise_of_a_calibrated_sensor_is_told() {
+fn calibrated_sensor_noise_sets_equivalent_encoder_quantum() {
     let folder = folder();
     let file = "calibration_format = 1\nperiod_s = 0.001\nsensor_quantum_m = 1e-6\n";
     folder.write("steps.toml", file);
@@ -97,7 +97,7 @@ fn a_pipe_commands_what_the_actuator_is_to_get() {
 }
 
 #[test]
-fn coupled_rendering_reaches_the_floor_of_an_actuator_that_it_is_told() {
+fn actuator_model_brings_coupled_near_the_hold_bound() {
     let folder = folder();
     let error = |flags: &str| {
         let flags = format!("simulate scene.toml --method coupled {flags}");
@@ -128,7 +128,7 @@ fn coupled_rendering_reaches_the_floor_of_an_actuator_that_it_is_told() {
 }
 
 #[test]
-fn a_recording_is_rendered_with_the_actuator_that_is_told() {
+fn recording_is_rendered_with_actuator_from_flags() {
     let folder = folder();
     let render = "render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --method basic";
     let error = |flags: &str| error(&folder.json(&format!("{render} {flags}")), "basic");
@@ -206,7 +206,7 @@ fn a_flag_stands_in_place_of_the_value_of_a_device_file() {
 }
 
 #[test]
-fn a_wrong_device_file_is_told_with_its_place() {
+fn invalid_device_file_is_reported_with_position() {
     let folder = folder();
     folder.write(
         "key.toml",
@@ -258,7 +258,7 @@ fn what_only_a_simulated_actuator_can_differ_in_is_refused_elsewhere() {
 }
 
 #[test]
-fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
+fn recording_contains_model_values_and_is_replayed_with_them() {
     let folder = folder();
     let actuator = "--delay-periods 0.5 --delay-deviation 0.0001 --lag 0.002 --gain 0.9";
     folder.succeed(&format!(
@@ -396,7 +396,7 @@ fn flexible_folder() -> Folder {
 }
 
 #[test]
-fn flags_tell_a_transmission_as_a_scene_and_a_device_file_do() {
+fn transmission_flags_match_scene_and_device_file() {
     let folder = flexible_folder();
     let methods = |command: &str| {
         let answer = folder.palpate(&format!("{command} --json"));
@@ -463,7 +463,7 @@ fn a_part_of_a_transmission_is_refused_where_nothing_says_the_rest() {
 }
 
 #[test]
-fn a_pipe_is_told_of_a_transmission_and_warns_of_what_it_cannot_render() {
+fn pipe_uses_transmission_model_and_warns_above_its_stiffness_limit() {
     let folder = flexible_folder();
     let plain = piped(&folder, "");
     assert_ne!(piped(&folder, TRANSMISSION), plain);
@@ -486,7 +486,7 @@ fn a_pipe_is_told_of_a_transmission_and_warns_of_what_it_cannot_render() {
 }
 
 #[test]
-fn a_recording_has_the_transmission_that_flags_told() {
+fn recording_contains_transmission_model_from_flags() {
     let folder = flexible_folder();
     folder.succeed(&format!(
         "record flexible.toml rec.mcap --method coupled --fast --duration 0.2 {TRANSMISSION}"

@@ -48,7 +48,7 @@ fn fig2_is_drawn_step_by_step() {
 }
 
 #[test]
-fn fig2_tells_the_errors_of_its_steps() {
+fn fig2_report_errors_decrease_with_each_step() {
     let folder = Folder::new();
     let report = folder.json("figure fig2 --plot steps.svg");
     assert_eq!(report["files"], serde_json::json!(["steps.svg"]));
@@ -162,7 +162,7 @@ fn figures_of_runs_are_documents_with_titles() {
 }
 
 #[test]
-fn the_demo_tells_the_story_and_leaves_its_files() {
+fn demo_prints_summary_and_writes_its_files() {
     let folder = Folder::new();
     let begun = Instant::now();
     let story = folder.succeed("demo");

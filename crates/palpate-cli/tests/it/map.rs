@@ -215,7 +215,7 @@ fn a_full_disk_is_named_and_leaves_no_half_map() {
 }
 
 #[test]
-fn what_is_told_wrong_and_delays_stand_in_the_map() {
+fn model_errors_and_delays_appear_in_map_outputs() {
     let folder = Folder::new();
     let arguments = "map --cells 3 --method hfcr --delay-periods 1 --model-mass 2 --model-period 1.1 \
                      --encoder-quantum 1e-5 --viscous-friction 0.5 --show growth,over-floor";

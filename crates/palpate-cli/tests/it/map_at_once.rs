@@ -51,7 +51,7 @@ fn stop_amid(folder: &Folder, child: &Child, journal: &str) -> Vec<u8> {
 }
 
 #[test]
-fn a_second_map_is_told_who_computes_it_and_harms_nothing() {
+fn second_map_run_names_holder_and_changes_nothing() {
     let folder = Folder::new();
     folder.succeed(&format!("{MAP} --out plain.csv"));
     let plain = folder.read("plain.csv");

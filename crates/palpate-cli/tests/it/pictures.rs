@@ -26,7 +26,7 @@ fn title(words: &[String]) -> String {
 }
 
 #[test]
-fn the_title_tells_the_errors_of_the_report() {
+fn figure_title_states_the_errors_of_the_report() {
     let folder = Folder::new();
     let arguments = format!(
         "simulate {} --method basic,hfcr,coupled --plot few.svg",

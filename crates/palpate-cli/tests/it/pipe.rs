@@ -381,7 +381,7 @@ fn the_end_is_summed_up() {
 }
 
 #[test]
-fn a_delay_changes_the_books_but_not_the_forces() {
+fn delay_changes_ledger_but_not_forces() {
     let input = "0.001\n0.002\n0.003\n";
     let delayed = format!("{WALL} --method basic --delay-periods 1");
     let now = answers(&format!("{WALL} --method basic --json"), input);

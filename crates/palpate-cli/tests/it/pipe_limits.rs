@@ -24,7 +24,7 @@ fn forces(answer: &Answer) -> Vec<f64> {
 }
 
 #[test]
-fn forces_are_limited_and_come_in_softly_unless_told_otherwise() {
+fn forces_are_limited_and_ramped_up_by_default() {
     let deep = "0.05\n".repeat(400);
     let limited = pipe(WALL, &deep);
     assert_eq!(limited.code, 0, "{limited:?}");
@@ -81,7 +81,7 @@ fn a_refused_line_brings_the_force_back_softly() {
 }
 
 #[test]
-fn the_books_have_the_force_that_was_commanded() {
+fn ledger_records_the_commanded_force() {
     let positions: Vec<f64> = (0..300).map(|i| 0.05 + 1e-5 * f64::from(i)).collect();
     let input: String = positions.iter().map(|x| format!("{x}\n")).collect();
     let answer = pipe(&format!("{WALL} --method basic --json"), &input);
@@ -115,7 +115,7 @@ fn a_soft_start_has_bounds() {
 }
 
 #[test]
-fn a_device_inside_the_object_at_the_start_is_told_with_what_to_change() {
+fn initial_penetration_is_reported_with_remedies() {
     let deep = pipe(WALL, "5\n5\n");
     for words in [
         "line 1: the device starts 5.00 m inside the object, whose surface is at 0 m",

@@ -274,7 +274,7 @@ fn the_report_s_leaks_are_those_of_the_last_tick() {
 }
 
 #[test]
-fn the_run_file_tells_what_made_it() {
+fn run_file_metadata_records_parameters_and_version() {
     let folder = with_taps();
     folder.succeed(&format!(
         "render tap.csv {FLAGS} --method hfcr --damping 0.25 --delay-periods 1 --out run.csv"
@@ -379,7 +379,7 @@ fn limits_act_and_are_counted() {
 /// The default method corrects with a small force after contact has ended. Each collision is still compared with its
 /// own ideal, and a method with another number of collisions is reported.
 #[test]
-fn collisions_of_the_default_method_are_told_apart() {
+fn default_method_collisions_are_matched_and_other_counts_reported() {
     let folder = Folder::new();
     folder.write("long.csv", trace_text(&taps(0.001, 4.0)));
     let render = "render long.csv --stiffness 400 --mass 0.1 --period 0.01 --force -0.981";

@@ -263,7 +263,7 @@ fn an_encoder_is_seen_by_the_renderer_only() {
 }
 
 #[test]
-fn a_collision_of_a_single_method_is_told_in_the_table() {
+fn table_of_single_method_lists_each_collision() {
     let table = with_scene().succeed("simulate scene.toml");
     let rest = table
         .split("Collision by collision")

@@ -60,7 +60,7 @@ fn coupled_renders_a_world_at_the_floor_of_its_loop_where_the_spring_force_does_
 
 /// The floor in the axes of a body that is 2 mm higher, and rotated so that its -x points up.
 #[test]
-fn a_half_space_of_a_body_that_is_placed_and_turned_is_judged_where_it_is_rendered() {
+fn half_space_of_offset_rotated_body_gives_same_force_error() {
     let folder = Folder::new();
     folder.write("ball.toml", BALL);
     let placed = BALL.replace(
@@ -202,7 +202,7 @@ fn without_a_method_the_scenes_own_is_run_and_the_text_explains_its_columns() {
 }
 
 #[test]
-fn a_world_that_cannot_be_judged_or_rendered_says_why() {
+fn invalid_world_is_rejected_with_reason() {
     let folder = Folder::new();
     for (right, wrong, code, why) in [
         (

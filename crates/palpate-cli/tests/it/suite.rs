@@ -28,7 +28,7 @@ fn rows(text: &str) -> Vec<std::collections::HashMap<&str, &str>> {
 }
 
 #[test]
-fn sets_with_real_actuators_are_judged_by_what_is_told() {
+fn sets_with_actuators_are_evaluated_by_model_condition() {
     let folder = Folder::new();
     let report = folder
         .json("suite --set real --plants 3 --out rows.csv --plot spread.svg --write-scenes plants");
@@ -75,7 +75,7 @@ fn sets_with_real_actuators_are_judged_by_what_is_told() {
 }
 
 #[test]
-fn every_method_is_judged_with_both_delays() {
+fn every_method_is_evaluated_in_all_delay_conditions() {
     let folder = Folder::new();
     let report = folder.json("suite --plants 6 --out rows.csv --plot spread.svg");
     assert_eq!(report["format"], "palpate suite 1");
@@ -475,7 +475,7 @@ fn what_has_no_heights_is_an_error_that_says_why() {
 }
 
 #[test]
-fn a_renderer_can_be_told_another_mass_than_the_true_one() {
+fn model_device_mass_may_differ_from_true_mass() {
     let folder = Folder::new();
     let scene = experiment("fig2").display().to_string();
     let damping = |flags: &str| {

@@ -106,7 +106,7 @@ fn a_sweep_of_what_is_not_there_says_so() {
 }
 
 #[test]
-fn the_claims_are_told_with_their_numbers() {
+fn claims_report_contains_verdicts_and_findings() {
     let folder = Folder::new();
     let report = folder.json("claims");
     assert_eq!(report["format"], "palpate claims 1");

@@ -267,7 +267,7 @@ fn a_period_that_is_likely_to_be_in_milliseconds_is_questioned() {
 }
 
 #[test]
-fn a_recording_that_starts_inside_the_object_is_told() {
+fn recording_starting_inside_object_causes_warning() {
     let folder = folder();
     let answer = folder.palpate(&format!(
         "render metres.csv {CONTACT} --object-position -0.01"

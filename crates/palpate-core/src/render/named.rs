@@ -177,7 +177,7 @@ mod tests {
     use crate::parameter::Unit;
 
     #[test]
-    fn names_keys_and_colours_tell_methods_and_settings_apart() {
+    fn method_names_colours_and_setting_keys_are_unique() {
         for (index, method) in MethodName::ALL.into_iter().enumerate() {
             assert_eq!(MethodName::named(method.name()), Some(method));
             for other in &MethodName::ALL[..index] {

@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn what_fades_is_kept_within_the_force_limit_and_told() {
+    fn fading_force_is_limited_and_recorded_in_the_ledger() {
         let mut running = fading();
         let before = running.ledger().port_work;
         let output = running.step(Sample::at(0.004));

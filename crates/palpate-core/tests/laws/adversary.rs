@@ -121,7 +121,7 @@ fn no_sample_makes_a_single_precision_output_or_ledger_infinite() {
 }
 
 #[test]
-fn samples_near_the_edge_of_overflow_do_not_fill_the_books() {
+fn samples_near_overflow_keep_the_ledger_finite() {
     // Energies of single intervals are just representable here; their sum is not.
     survives::<f64>(3, 154.0);
     survives::<f32>(4, 19.0);

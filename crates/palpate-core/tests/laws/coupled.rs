@@ -142,7 +142,7 @@ fn a_stopped_encoder_leads_to_no_force_beyond_that_of_the_collisions_before() {
 }
 
 #[test]
-fn a_device_that_is_grabbed_or_let_go_is_learned_anew() {
+fn device_mass_is_reestimated_after_grab_or_release() {
     for (before, after) in [(0.25, 1.0), (1.0, 0.25), (0.25, 1e5)] {
         let renderer = renderer(Contact::object(200.0, 0.1), 0.25, 1e-6);
         let mut state = renderer.start(ObjectState::at_rest(0.05)).unwrap();

@@ -226,7 +226,7 @@ fn a_state_that_has_seen_no_sample_or_a_refused_one_can_be_adopted() {
 }
 
 #[test]
-fn an_object_that_becomes_a_wall_stands_still_even_if_it_was_to_be_placed_in_motion() {
+fn object_changed_to_wall_rests_despite_pending_velocity() {
     let before = renderer(object(), AnyParams::Basic);
     let wall = renderer(Contact::wall(STIFFNESS), AnyParams::Basic);
     let mut state = pressed(&before, 10);

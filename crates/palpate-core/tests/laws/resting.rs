@@ -310,8 +310,7 @@ fn speeds_on_a_wall(pressed: Pressed) -> [f64; 16] {
 }
 
 #[test]
-fn a_wall_pressed_by_a_coarse_encoder_slows_down_as_the_ideal_does_whether_its_quantum_is_told_or_not()
- {
+fn device_on_wall_slows_like_reference_with_or_without_quantum_model() {
     let in_millimetres = |speeds: &[f64; 16]| speeds.map(|speed| format!("{:.1}", 1e3 * speed));
     let ideal = speeds_on_a_wall(Pressed::Ideal);
     println!("ideal: {}", in_millimetres(&ideal).join(" "));

@@ -51,7 +51,7 @@ fn off(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
-fn noise_that_free_motion_shows_is_reckoned_with_as_if_it_were_told() {
+fn noise_estimated_in_free_motion_acts_like_its_model_value() {
     let noise = 5e-6;
     let model = noise * 12_f64.sqrt();
     for seed in 1..=5 {
@@ -71,7 +71,7 @@ fn noise_that_free_motion_shows_is_reckoned_with_as_if_it_were_told() {
 }
 
 #[test]
-fn what_a_sensor_errs_by_is_found_whether_it_was_told_or_not() {
+fn sensor_noise_estimate_matches_absent_and_modelled_noise() {
     let (_, state) = met(500, 0.0, 0.0, 1);
     let found = state.memory().sensor_noise();
     assert!(found < 1e-12, "{found:e}");

@@ -68,7 +68,7 @@ fn is_within(found: [f64; 3], most: [f64; 3]) {
 }
 
 #[test]
-fn a_timing_that_is_told_brings_the_floor_back() {
+fn modelled_timing_restores_hold_bound() {
     for (name, late, most) in [
         ("no delay", (0.0, 0.0), [0.1, 0.5, 1.0]),
         ("one period", (1.0, 0.0), [0.1, 0.5, 1.0]),
@@ -87,7 +87,7 @@ fn a_timing_that_is_told_brings_the_floor_back() {
 }
 
 #[test]
-fn a_timing_that_is_nearly_told_is_nearly_enough() {
+fn small_timing_model_error_keeps_force_error_small() {
     let coarse = |desk: &mut Desk| {
         delayed(LATE)(desk);
         desk.quantum = 1e-5;
@@ -128,7 +128,7 @@ fn a_timing_that_is_nearly_told_is_nearly_enough() {
 
 /// The delay of 0.1 T is unmodelled, but its standard deviation is modelled.
 #[test]
-fn a_delay_whose_deviation_is_told_is_learned_from_contact() {
+fn delay_with_modelled_deviation_is_estimated_from_contact() {
     let unmodelled = actuation((0.0, 0.0));
     let uncertain = |deviation: f64| Actuation {
         delay_deviation: deviation * PERIOD,
@@ -241,7 +241,7 @@ fn how_stiff_a_wall_may_be_that_rests_with_half_a_period_of_delay() {
 }
 
 #[test]
-fn a_wall_that_is_pressed_rests_with_a_delay_that_was_told() {
+fn pressed_wall_rests_with_modelled_delay() {
     for late in [(0.5, 0.0), (1.0, 0.0), LATE] {
         for (kappa, deviation) in [(0.1, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.01), (2.0, 0.01)] {
             let model = Actuation {
@@ -262,7 +262,7 @@ fn a_wall_that_is_pressed_rests_with_a_delay_that_was_told() {
 }
 
 #[test]
-fn a_wall_that_is_pressed_with_an_untold_delay_is_quiet_when_that_is_learned() {
+fn pressed_wall_rests_once_unmodelled_delay_is_estimated() {
     for (kappa, late) in [
         (0.1, 0.1),
         (0.1, 0.3),

@@ -134,7 +134,7 @@ fn a_wall_is_released_when_the_device_passes_it_and_gives_its_energy_back() {
 }
 
 #[test]
-fn a_wall_never_moves_whatever_presses_it_but_by_placement() {
+fn wall_moves_only_by_proxy_offset() {
     for (name, method) in methods() {
         let renderer = renderer(Contact::wall(STIFFNESS), method);
         let moving = ObjectState {

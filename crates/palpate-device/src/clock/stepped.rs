@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn time_passes_by_hand_only_and_clones_share_it() {
+    fn stepped_clock_advances_only_on_request_and_clones_share_its_time() {
         let clock = SteppedClock::new();
         let other = clock.clone();
         clock.advance(Duration::from_millis(3));

@@ -461,7 +461,7 @@ fn without_its_watchdog_a_device_gives_no_torque_and_says_so() {
 
 /// A stopped watchdog process: its socket fills up.
 #[test]
-fn a_watchdog_that_does_not_listen_is_told_from_one_that_has_ended() {
+fn unresponsive_watchdog_is_distinguished_from_ended_watchdog() {
     let mut played = Played::new();
     let _socket = guarded(&played);
     assert!(played.reads(START).is_ok());

@@ -51,7 +51,7 @@ fn the_last_message_of_a_device_that_goes_commands_no_force() {
 }
 
 #[test]
-fn a_thread_that_panics_lets_go_of_the_device() {
+fn driver_zeroes_force_when_its_thread_panics() {
     let emulator = emulator(Form::V35);
     let mut device = open(&emulator);
     device.write([0.0, 3.0, 0.0].into()).unwrap();

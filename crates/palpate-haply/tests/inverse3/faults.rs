@@ -169,7 +169,7 @@ fn a_service_that_stands_still_for_long_is_gone() {
 }
 
 #[test]
-fn a_connection_that_ends_is_told_and_the_device_can_be_opened_again() {
+fn lost_connection_is_reported_and_device_can_be_reopened() {
     let emulator = emulator(Form::V35);
     for (fault, words) in [
         (Fault::Disconnect, "connection"),
@@ -214,7 +214,7 @@ fn a_device_that_is_unplugged_is_gone() {
 }
 
 #[test]
-fn the_events_channel_tells_why_first() {
+fn events_channel_reports_safety_stop_and_disconnection() {
     let emulator = emulator(Form::V35);
     let listening = Inverse3Options {
         events: Some(emulator.events_url()),
@@ -337,7 +337,7 @@ fn service_without_a_position() -> (String, Arc<AtomicU32>) {
 
 /// An uncalibrated device has no position; the missing position must not hide the missing calibration.
 #[test]
-fn a_device_that_is_not_calibrated_for_a_moment_is_told_though_it_says_no_position() {
+fn missing_calibration_is_reported_despite_missing_position() {
     let (url, left) = service_without_a_position();
     let options = Inverse3Options {
         service: url,

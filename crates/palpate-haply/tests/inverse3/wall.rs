@@ -257,7 +257,7 @@ fn what_stays_ends_the_run_with_its_reason_and_it_can_be_run_again() {
 }
 
 #[test]
-fn a_device_that_takes_no_force_any_more_is_let_go_until_somebody_rearms() {
+fn refusing_device_stays_disabled_until_rearmed() {
     let emulator = pressed(Form::V35, Latency::NONE);
     let mut run = Run::on(&emulator);
     run.until_it_pushes(&emulator);

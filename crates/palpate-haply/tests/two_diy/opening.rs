@@ -85,7 +85,7 @@ fn the_board_is_found_by_its_first_angles() {
 }
 
 #[test]
-fn a_board_told_wrong_and_a_device_that_is_not_there_are_named() {
+fn open_errors_name_wrong_board_and_missing_device() {
     let _alone = alone();
     let settings = on_a_socket(Settings::new(Generation::Three, Board::M3));
     let emulator = Emulator::start(&settings).unwrap();
@@ -158,7 +158,7 @@ fn the_first_angles_are_those_of_the_last_answer() {
 
 /// Incomplete answers still identify a board; another first byte does not.
 #[test]
-fn an_answer_that_is_not_whole_is_told_from_one_of_another_device() {
+fn incomplete_answer_is_distinguished_from_answer_of_other_device() {
     let id = Generation::Three.layout().device_id;
     let said = |answer: &'static [u8]| {
         let folder = tempfile::tempdir().unwrap();

@@ -379,7 +379,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_not_told_is_counted_by_its_number() {
+    fn missing_ticks_are_counted_by_sequence_number() {
         let mut heard = ClientMessage::default();
         for sequence in [2, 3, 4, 7, 8] {
             heard.hear(sequence);

@@ -246,7 +246,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hull_is_told_by_the_triangles_of_its_surface() {
+    fn hull_is_sent_as_surface_triangles() {
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]];
         let messages = shape(&Shape::Hull(Hull::around(&corners).unwrap().into()));
         let numbers = messages["mesh"]["vertices_m"].as_array().unwrap();
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_of_a_world_has_the_length_that_it_tells() {
+    fn world_frame_length_matches_its_header() {
         let body = BodyTick {
             body: 3,
             position: [1.0, 2.0, 3.0],

@@ -69,7 +69,7 @@ fn a_foreign_page_and_a_foreign_name_are_refused() {
 }
 
 #[test]
-fn where_others_can_come_nothing_is_told_without_the_token() {
+fn public_listener_rejects_requests_without_the_token() {
     let stage = Stage::new(Play {
         listen: "0.0.0.0:0",
         ..Play::default()
@@ -293,7 +293,7 @@ fn who_talks_without_end_is_listened_to_slowly() {
 
 /// Its connection stands, and takes what it is sent for minutes.
 #[test]
-fn a_client_that_is_frozen_lets_go_of_the_hand() {
+fn frozen_client_releases_hand() {
     let stage = Stage::new(Play::default());
     let mut frozen = stage.client();
     frozen.say(r#"{"type":"hand","position_m":0.01}"#);

@@ -9,7 +9,7 @@ use palpate_scene::method::MethodName;
 use serde_json::{Value, json};
 
 #[test]
-fn a_client_is_greeted_and_told_the_state() {
+fn client_receives_hello_state_and_status() {
     let stage = Stage::new(Play::default());
     let mut client = stage.client();
     let Received::Text(hello) = client.next() else {
@@ -107,7 +107,7 @@ fn at_a_kilohertz_every_tick_is_a_row() {
 }
 
 #[test]
-fn what_is_set_is_told_to_all_and_what_is_wrong_to_one() {
+fn settings_are_sent_to_all_clients_and_refusals_to_the_requester() {
     let stage = Stage::new(Play::default());
     let (mut one, mut other) = (stage.client(), stage.client());
     one.say(r#"{"type":"set","stiffness_n_per_m":250,"mass_kg":null}"#);
@@ -163,7 +163,7 @@ fn what_is_set_is_told_to_all_and_what_is_wrong_to_one() {
 }
 
 #[test]
-fn the_hand_is_led_and_lets_go_when_its_client_is_gone() {
+fn hand_follows_client_target_and_is_released_on_disconnect() {
     let stage = Stage::new(Play::default());
     let mut client = stage.client();
     client.say(r#"{"type":"hand","position_m":-0.04}"#);
@@ -238,7 +238,7 @@ fn another_rate_and_another_lane_begin_anew_where_the_device_is() {
 }
 
 #[test]
-fn a_trip_is_told_and_ends_when_somebody_rearms() {
+fn safety_stop_is_reported_and_ends_on_rearm() {
     let infinite = f64::INFINITY;
     let stage = Stage::new(Play {
         workspace: Some([[-0.03, -infinite, -infinite], [0.03, infinite, infinite]]),
@@ -525,7 +525,7 @@ fn a_session_that_was_to_last_does_not_wait_for_every_deadline_that_is_missed() 
 
 /// The end also reports the recordings made before it.
 #[test]
-fn whoever_joins_is_told_of_every_recording_and_of_loops_that_did_not_begin() {
+fn session_end_reports_all_recordings_and_failed_start() {
     let mut stage = Stage::new(Play::default());
     let mut client = stage.client();
     for is_on in [true, false, true] {

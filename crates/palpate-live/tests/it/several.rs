@@ -184,7 +184,7 @@ fn second_force(bytes: &[u8]) -> [f32; 3] {
 }
 
 #[test]
-fn a_page_is_told_of_both_devices_and_leads_each() {
+fn client_receives_both_devices_and_moves_each_independently() {
     let session = stage(&["basic", "coupled"]).session;
     let (mut one, other) = (session.hub().join(), session.hub().join());
     let hello = text(&mut one, "hello", |_| true);

@@ -332,7 +332,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_second_opener_is_told_who_has_it_and_changes_nothing() {
+    fn second_open_of_journal_names_holder_and_changes_nothing() {
         let (_folder, path, _) = written();
         let mut found = Journal::open(&path).unwrap();
         // An incomplete line that the first program is writing.

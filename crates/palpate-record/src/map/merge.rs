@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_of_different_maps_or_versions_are_told_apart() {
+    fn parts_of_different_maps_or_versions_are_rejected() {
         let mut given = parts(2);
         given[1].1.metadata[0].1 = "0.2.0".into();
         assert_eq!(

@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_receipt_reads_back() {
+    fn empty_metadata_reads_back() {
         let text = column(&[1.0]);
         assert_eq!(text, "x,palpate_run_1\n1,{}\n");
         assert!(read_text(&text).unwrap().metadata().is_empty());

@@ -414,7 +414,7 @@ mod tests {
     }
 
     #[test]
-    fn a_receipt_that_is_no_object_of_strings_is_refused() {
+    fn metadata_other_than_object_of_strings_is_rejected() {
         for (json, why) in [
             ("hfcr", "expected value at line 1 column 1"),
             (
@@ -449,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn a_receipt_stands_in_the_first_row_and_in_no_other() {
+    fn metadata_is_only_in_first_row() {
         assert_eq!(
             message("x,palpate_run_1\n1,\n2,{}\n"),
             "run.csv:2:3: the first row has no metadata; removing or sorting rows loses it"

@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_that_is_refused_does_not_use_up_the_receipt() {
+    fn rejected_row_keeps_metadata_for_next_row() {
         let mut writer = RunWriter::new(Vec::new(), &[("a", "b")], &["x"]).unwrap();
         assert!(writer.row(&[]).is_err());
         writer.row(&[1.0.into()]).unwrap();

@@ -165,7 +165,7 @@ fn other_programs_find_its_index() {
 }
 
 #[test]
-fn the_receipt_is_the_first_record() {
+fn metadata_is_the_first_record_after_the_header() {
     let (bytes, sizes) = small(false);
     let records = mcap::read::LinearReader::sans_magic(&bytes[8..sizes[0]]);
     let kinds: Vec<u8> = records

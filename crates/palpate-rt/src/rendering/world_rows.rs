@@ -116,7 +116,7 @@ mod tests {
     };
 
     #[test]
-    fn a_clone_tells_as_many_contacts_and_bodies() {
+    fn clone_of_world_rows_keeps_capacity_for_contacts_and_bodies() {
         let floor = Shape::HalfSpace {
             normal: [0.0, 0.0, 1.0],
             offset: 0.0,

@@ -159,7 +159,7 @@ fn what_another_method_adds_fades_over_the_change() {
 }
 
 #[test]
-fn a_wall_that_coupled_rendering_had_placed_goes_back() {
+fn method_change_removes_proxy_offset_of_wall() {
     let mut pressed = scene("coupled/wall-1000.toml");
     pressed.loop_params.period = 0.001;
     let (mut control, _) = simulated(&pressed, MethodName::Coupled, wide());

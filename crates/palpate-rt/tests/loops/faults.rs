@@ -145,7 +145,7 @@ fn one_missing_sample_is_bridged_and_the_time_of_it_told() {
 }
 
 #[test]
-fn a_trip_that_stays_stays_until_somebody_rearms() {
+fn latched_safety_stop_persists_until_rearmed() {
     let (mut control, _, mut listener) = meets(&[at(60.0)]);
     for _ in 0..500 {
         assert_eq!(control.tick().contact.force_on_device, 0.0);
@@ -222,7 +222,7 @@ fn the_ledger_uses_the_force_really_sent() {
 }
 
 #[test]
-fn a_contact_that_creates_energy_trips_and_well_rendered_ones_do_not() {
+fn oscillating_contact_causes_safety_stop_and_stable_contacts_do_not() {
     let mut buzzing = scene("experiment2.toml");
     buzzing.contact.stiffness *= 4.0;
     let (mut control, _) = simulated(&buzzing, MethodName::Basic, SafetyParams::default());
@@ -394,7 +394,7 @@ fn comes_in_by(control: &mut Scripted, step: f64) -> usize {
 }
 
 #[test]
-fn a_trip_does_not_shorten_a_soft_start() {
+fn safety_stop_does_not_shorten_soft_start() {
     let nan = Step::At([f64::NAN, 0.0, 0.0]);
     let missing = Step::Fails(DeviceErrorKind::NothingNew);
     for script in [
@@ -429,7 +429,7 @@ fn a_freeze_of_loop_and_supervisor_is_noticed_by_the_loop() {
 }
 
 #[test]
-fn a_trip_that_stays_is_told_even_in_the_tick_after_a_stall() {
+fn latched_safety_stop_is_reported_in_tick_after_stall() {
     let (mut control, clock, mut listener) = meets(&[at(60.0)]);
     clock.advance(Duration::from_millis(50));
     control.tick();
@@ -438,7 +438,7 @@ fn a_trip_that_stays_is_told_even_in_the_tick_after_a_stall() {
 }
 
 #[test]
-fn rearming_where_nothing_has_tripped_changes_nothing() {
+fn rearming_without_safety_stop_has_no_effect() {
     let (mut control, _, mut listener) = meets(&[at(1.0)]);
     control.rearm().store(true, Ordering::Release);
     assert_eq!(control.tick().contact.force_on_device, -1.0);

@@ -81,7 +81,7 @@ fn force(control: &mut Loop) -> f64 {
 const RESTING: f64 = 1.0;
 
 #[test]
-fn a_hand_presses_into_what_a_host_publishes_and_is_let_go_of_when_the_host_hangs() {
+fn force_follows_published_model_and_fades_when_simulator_hangs() {
     let (mut host, mut control) = pressed(wide());
     publish(&mut host);
     let mut last = 0.0;
@@ -123,7 +123,7 @@ fn a_hand_presses_into_what_a_host_publishes_and_is_let_go_of_when_the_host_hang
 }
 
 #[test]
-fn what_the_loop_refuses_the_host_is_told() {
+fn refused_model_is_reported_to_the_host() {
     let (mut host, mut control) = pressed(wide());
     publish(&mut host);
     control.tick();

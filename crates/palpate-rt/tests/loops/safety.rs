@@ -90,7 +90,7 @@ fn the_range_lies_along_the_axis_of_the_contact() {
 }
 
 #[test]
-fn of_two_trips_the_one_that_stays_is_kept() {
+fn persistent_safety_stop_takes_precedence_over_self_clearing_one() {
     let mut safety = safety();
     safety.evaluate(&sample([f64::NAN; 3], 1.0));
     assert_eq!(safety.safety_stop(), Some(SafetyStop::NotANumber));

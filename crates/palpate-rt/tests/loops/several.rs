@@ -109,7 +109,7 @@ fn touching(depth: f64, samples: usize) -> Vec<Step> {
 
 /// The pinch grasp of two fingers, by both ways to render a world of several devices.
 #[test]
-fn forces_and_books_are_those_of_a_bounded_world() {
+fn forces_and_ledger_match_a_bounded_world() {
     let pinch = scene("pinch.toml");
     for method in ["basic", "coupled"] {
         let limits = SafetyParams {
@@ -438,7 +438,7 @@ fn the_supervisor_and_each_watchdog_cut_all() {
 
 /// Two fingers on a light and stiff cube, with the spring force of the sample: it buzzes.
 #[test]
-fn created_energy_of_the_world_trips_once_for_all() {
+fn generated_energy_of_the_world_stops_all_devices_with_one_event() {
     let mut pinch = scene("pinch.toml");
     pinch.timing.period = 0.004;
     for contact in &mut pinch.world.contacts {

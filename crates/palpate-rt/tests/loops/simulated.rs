@@ -78,7 +78,7 @@ fn a_device_with_a_delay_holds_its_forces_later() {
 /// With a modelled fraction of a period, lag or gain the renderer's ledger contains the sent force when it acts, in
 /// the loop and in the simulator. The limits of both the motor and the safety apply.
 #[test]
-fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
+fn loop_with_modelled_actuation_matches_simulator_under_force_limits() {
     let period = scene("experiment1.toml").loop_params.period;
     for (delay, lag, gain) in [
         (Delay::Seconds(0.5 * period), 0.0, 1.0),

@@ -112,7 +112,7 @@ fn assert_near(one: Vector, other: Vector) {
 }
 
 #[test]
-fn another_stiffness_comes_in_a_tenth_of_a_second_and_is_told() {
+fn stiffness_change_ramps_in_tenth_of_second_and_is_reported() {
     let scene = scene();
     let (mut worlds, control) = changing(&scene, "basic");
     let (tap, mut listener) = tap(1000);

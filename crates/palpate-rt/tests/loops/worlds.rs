@@ -163,7 +163,7 @@ fn a_force_limit_is_the_length_of_a_vector() {
 }
 
 #[test]
-fn a_force_comes_in_softly_and_every_trip_takes_it_off() {
+fn force_ramps_up_and_every_safety_stop_removes_it() {
     let pressed = Step::At([0.0, 0.0, -2e-3]);
     let nan = Step::At([0.0, f64::NAN, 0.0]);
     let far = Step::At([0.0, 0.0, 0.3]);
@@ -224,7 +224,7 @@ fn a_device_in_the_plane_pushes_along_its_own_axes() {
 }
 
 #[test]
-fn a_tick_tells_its_contacts_and_the_bodies_that_move() {
+fn tick_reports_its_contacts_and_moving_bodies() {
     let (tap, mut listener) = tap(1000);
     let mut control = in_space(&scene("pushed-block.toml"), "coupled", wide()).tapped(tap);
     let mut row = control.tick();
@@ -260,7 +260,7 @@ fn a_tick_tells_its_contacts_and_the_bodies_that_move() {
 }
 
 #[test]
-fn forces_that_create_energy_trip_and_exact_ones_do_not() {
+fn coupled_runs_without_safety_stop_and_basic_generates_more_energy() {
     // A ball on a paddle with the spring force of the sample gains energy at every bounce.
     let mut juggled = scene("paddle.toml");
     juggled.timing.period = 0.004;
@@ -297,7 +297,7 @@ fn a_loop_of_two_devices_is_refused() {
 }
 
 #[test]
-fn the_device_in_space_gives_what_it_was_told() {
+fn spatial_device_returns_the_written_force() {
     let scene = scene("paddle.toml");
     let clock = SteppedClock::new();
     let mut device = SpatialDevice::new(&scene.devices[0], &scene.timing.actuator, clock).unwrap();

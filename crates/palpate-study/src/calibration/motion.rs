@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_that_do_not_come_in_even_periods_are_told() {
+    fn wrong_or_uneven_sample_periods_are_reported() {
         assert_eq!(at_times(|n| 0.001 * n).uneven_pace(), None);
         // A sine of 40 us amplitude: its steps vary by 25 us.
         assert_eq!(at_times(|n| 0.001 * n + 4e-5 * n.sin()).uneven_pace(), None);

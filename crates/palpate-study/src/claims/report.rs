@@ -141,7 +141,7 @@ mod tests {
     use crate::claims::Holds;
 
     #[test]
-    fn a_claim_is_told_in_words_with_every_number() {
+    fn claim_report_states_criterion_and_each_value() {
         let found = |what: &str, value, fits| Found {
             what: what.into(),
             value,

@@ -55,7 +55,7 @@ fn a_perfect_actuator_that_is_stated_changes_no_bit() {
 
 /// The force that acts is integrated here in 20 000 steps a period, from the commands alone.
 #[test]
-fn the_device_moves_under_the_delivered_force_and_its_means_are_judged() {
+fn device_moves_under_delivered_force_and_its_means_are_evaluated() {
     for (name, delay, lag, gain, jitter) in [
         ("fig2", 0.0, 0.3, 1.0, 0.0),
         ("fig2", 1.37, 0.0, 0.93, 0.0),
@@ -127,7 +127,7 @@ fn the_device_moves_under_the_delivered_force_and_its_means_are_judged() {
 }
 
 #[test]
-fn a_gain_that_nobody_tells_is_an_error_of_the_force() {
+fn unmodelled_gain_causes_force_error() {
     let mut scene = real("fig2", 0.0, 0.0, 0.9, 0.0);
     let model = error(&scene, MethodName::Coupled);
     scene.model.gain = Some(1.0);
@@ -137,7 +137,7 @@ fn a_gain_that_nobody_tells_is_an_error_of_the_force() {
 }
 
 #[test]
-fn what_is_told_of_delay_and_lag_takes_coupled_to_what_the_actuator_can_do() {
+fn true_model_delay_and_lag_cut_coupled_error_tenfold() {
     for name in ["fig2", "experiment1"] {
         let mut scene = real(name, 0.5, 0.3, 1.0, 0.0);
         let truth = error(&scene, MethodName::Coupled);
@@ -167,7 +167,7 @@ fn what_is_told_of_delay_and_lag_takes_coupled_to_what_the_actuator_can_do() {
 
 /// Model values do not affect the loop of a method that ignores the actuator.
 #[test]
-fn what_is_told_changes_nothing_but_the_renderer() {
+fn model_delay_and_lag_leave_delivered_force_of_basic_unchanged() {
     let mut scene = real("experiment1", 0.5, 0.3, 0.95, 0.1);
     let bench = Bench::new(&scene).unwrap();
     let before = bench.run(MethodName::Basic).unwrap();
@@ -254,7 +254,7 @@ fn model_flexible(stiffness: f64, period: f64) -> [Scene; 2] {
 
 /// The contact is at 0.7 of the resonance: beyond what the resonance allows a renderer that knows no transmission.
 #[test]
-fn a_told_transmission_takes_coupled_to_a_stiff_wall_on_a_flexible_device() {
+fn transmission_model_enables_stiff_wall_on_flexible_device() {
     let [unmodelled, model] =
         model_flexible(19_344.0, 1e-3).map(|scene| error(&scene, MethodName::Coupled));
     println!("E: untold {unmodelled:.2} %, told {model:.2} %");
@@ -263,7 +263,7 @@ fn a_told_transmission_takes_coupled_to_a_stiff_wall_on_a_flexible_device() {
 
 /// With twenty samples in a period of the resonance or more, one mass does better, so that is what is taken.
 #[test]
-fn a_told_transmission_that_is_slow_against_the_loop_changes_nothing() {
+fn transmission_model_with_slow_resonance_changes_nothing() {
     for period in [5e-4, 2.5e-4] {
         let [unmodelled, model] =
             model_flexible(9870.0, period).map(|scene| run(&scene, MethodName::Coupled));

@@ -19,7 +19,7 @@ fn fidelity(scene: &Scene) -> Fidelity {
 }
 
 #[test]
-fn told_the_mass_it_is_at_the_floor_of_the_paper_s_scenes() {
+fn true_model_mass_brings_coupled_to_hold_bound_in_paper_scenes() {
     for name in PAPER_SCENES {
         let found = fidelity(&scene(name));
         println!("{name}: E {:.4} %", found.mean_force_error);
@@ -28,7 +28,7 @@ fn told_the_mass_it_is_at_the_floor_of_the_paper_s_scenes() {
 }
 
 #[test]
-fn told_half_as_much_again_it_is_as_near_from_every_height() {
+fn model_mass_error_keeps_coupled_near_hold_bound_from_every_height() {
     for (name, most) in PAPER_SCENES.into_iter().zip([0.1, 0.2, 0.7]) {
         let mut scene = scene(name);
         scene.model_device_mass = Some(1.5 * scene.device.mass());
@@ -118,7 +118,7 @@ fn a_stiff_light_object_rebounds_as_it_should_though_the_encoder_is_coarse() {
 }
 
 #[test]
-fn a_pressed_wall_stays_steady_with_a_delay_and_any_mass_told() {
+fn pressed_wall_is_steady_with_delay_for_any_model_mass() {
     for model in [0.5, 1.0, 2.0] {
         let mut scene = scene("coupled/wall-10000");
         scene.contact.stiffness = 14_000.0;
@@ -140,7 +140,7 @@ fn a_pressed_wall_stays_steady_with_a_delay_and_any_mass_told() {
 }
 
 #[test]
-fn what_the_motor_did_not_give_is_placed_for() {
+fn late_samples_and_clipping_keep_coupled_error_bounded() {
     // Samples are late or missing, and the motor delivers only a part of the command. The held force is known one
     // sample later and then corrects the object position. An additional unmodelled command delay would make the held
     // force unknown.

@@ -367,7 +367,7 @@ fn a_stated_bandwidth_is_kept_and_costs_what_it_leaves_out() {
 }
 
 #[test]
-fn a_hand_that_lets_go_is_smeared_over_its_bandwidth_and_no_further() {
+fn hand_release_is_smeared_only_over_estimator_bandwidth() {
     // The hand pushes with 0.3 N against its own spring, and releases the device at 1 s.
     const RELEASE: f64 = 1.0;
     let (mut position, mut velocity) = (0.0, 0.0);

@@ -137,7 +137,7 @@ duration_s = 0.1
 
 /// The energy ledger excludes the effects of a rejected sample.
 #[test]
-fn the_books_of_refused_samples_have_nothing_of_a_motion_that_grows() {
+fn ledger_excludes_unstable_motion_of_rejected_samples() {
     for (key, strong) in [
         ("\ndamping_n_s_per_m = 8.0", "\ndamping_n_s_per_m = 1e5"),
         (

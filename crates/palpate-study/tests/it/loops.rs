@@ -313,7 +313,7 @@ proptest! {
 
 /// Coupled rendering plans past the pending forces, so its model delay affects the result.
 #[test]
-fn a_replay_tells_the_renderer_its_delay() {
+fn replay_passes_its_delay_to_renderer() {
     let hand = crate::common::synthetic_hand(2);
     let setup = ReplaySetup {
         contact: Contact::object(400.0, 0.1),
@@ -357,7 +357,7 @@ fn a_replay_tells_the_renderer_its_delay() {
 
 /// A replay does not integrate the port's work; its energy ledger is compared with that of this test.
 #[test]
-fn a_replay_holds_each_answer_after_its_delay_and_books_what_it_held() {
+fn replay_holds_each_force_after_delay_and_records_held_energy() {
     let hand = crate::common::synthetic_hand(2);
     for delay in 0..4 {
         for side in [Side::Positive, Side::Negative] {

@@ -127,7 +127,7 @@ fn a_map_is_the_same_on_any_number_of_threads() {
 }
 
 #[test]
-fn a_map_stops_when_it_is_told_to() {
+fn map_stops_on_request() {
     let params = params(5);
     let stop = AtomicBool::new(false);
     let mut taken = 0;
@@ -148,7 +148,7 @@ fn a_map_stops_when_it_is_told_to() {
 }
 
 #[test]
-fn what_the_renderer_is_told_wrong_is_no_part_of_the_plant() {
+fn wrong_model_mass_and_period_leave_the_plant_unchanged() {
     let of = |model_mass: f64, model_period: f64, method| {
         let mut params = MapParams {
             model_period,

@@ -51,7 +51,7 @@ fn in_a_hand() -> Scene {
 }
 
 #[test]
-fn a_trace_of_friction_changes_the_judgement_by_a_trace() {
+fn tiny_friction_changes_the_evaluation_slightly() {
     // The exact ideal and the integrated one meet where friction vanishes.
     for name in ["fig2", "experiment1"] {
         let free = experiment(name);
@@ -109,7 +109,7 @@ fn a_loop_with_friction_that_runs_away_is_seen_to() {
 }
 
 #[test]
-fn books_balance_against_the_bench_with_friction_hand_tremor_and_a_weak_motor() {
+fn ledger_matches_bench_with_friction_tremor_and_force_limit() {
     let mut scene = in_a_hand();
     scene.device.point_mass_mut().unwrap().largest_force = Some(2.0);
     for method in MethodName::ALL {
@@ -218,7 +218,7 @@ fn a_recorded_intention_moves_the_hand_as_the_swing_that_was_recorded() {
 }
 
 #[test]
-fn a_hand_lets_go_of_the_loop_and_of_its_ideal() {
+fn hand_release_acts_on_loop_and_on_reference() {
     // The hand presses the device against a wall and releases it: the spring accelerates the free device away.
     let mut scene = experiment("wall");
     scene.measure = Measure::Duration(0.2);
@@ -277,7 +277,7 @@ fn every_method_is_better_than_no_force_in_a_damped_hand() {
 }
 
 #[test]
-fn a_loop_is_judged_against_another_by_the_forces_both_held() {
+fn error_against_finer_loop_is_near_force_rendering_error() {
     let scene = experiment("experiment1");
     let run_of = |period: f64, method| {
         let mut scene = scene.clone();
@@ -455,7 +455,7 @@ fn a_device_of_the_callers_own_moves_as_the_scene_s_on_both_sides() {
 }
 
 #[test]
-fn a_method_of_the_callers_own_is_told_what_a_built_in_one_is() {
+fn custom_method_gives_same_run_as_built_in_method() {
     let scene = point_mass(palpate_core::Side::Positive);
     let bench = Bench::new(&scene).unwrap();
     let params = palpate_core::CoupledParams::new(scene.device.mass());

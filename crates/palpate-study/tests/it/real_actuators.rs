@@ -126,7 +126,7 @@ fn every_draw_of_the_desk_lies_in_its_range_and_fills_it() {
 }
 
 #[test]
-fn a_condition_is_of_what_is_told_and_leaves_the_truth_as_it_is() {
+fn condition_changes_only_model_values() {
     for set in [Set::Desk, Set::Real] {
         for plant in plants(set, 5) {
             for condition in set.conditions() {
@@ -171,7 +171,7 @@ fn a_condition_is_of_what_is_told_and_leaves_the_truth_as_it_is() {
 
 /// Timing dominates the error, and modelling it pays: the claim that these sets test.
 #[test]
-fn coupled_needs_to_be_told_and_a_calibration_is_nearly_the_truth() {
+fn true_and_calibrated_actuator_models_reduce_coupled_error() {
     for set in [Set::Desk, Set::Real] {
         let evaluated = evaluated(set, 24);
         let [nothing, truth, calibrated] =
@@ -230,7 +230,7 @@ fn a_plant_depends_on_set_seed_and_number_only() {
 /// The plausible device with the model of its own `calibrate`: E of coupled meets its limits, and is below that of
 /// the best damper on at least 85 % of the plants.
 #[test]
-fn coupled_is_told_enough_by_a_calibration_of_the_device_itself() {
+fn own_calibration_keeps_coupled_within_limits_and_below_best_damper() {
     let count = std::env::var("PALPATE_PLANTS").map_or(8, |count| count.parse().unwrap());
     let columns = Set::Calibrated.columns();
     let evaluated = run(Set::Calibrated, 2, count, &columns, || ()).unwrap();

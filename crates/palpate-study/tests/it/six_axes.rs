@@ -130,7 +130,7 @@ fn largest(name: &str) -> [f64; 3] {
 }
 
 #[test]
-fn told_another_mass_and_inertia_forces_and_torques_are_near_the_floor() {
+fn model_mass_and_inertia_errors_keep_six_axes_near_hold_bound() {
     let degree = std::f64::consts::PI / 180.0;
     for name in NAMES {
         let scene = scene(name);

@@ -490,7 +490,7 @@ fn a_column_that_cannot_be_run_is_named() {
 }
 
 #[test]
-fn the_told_mass_reaches_what_is_derived_from_it_and_nothing_else() {
+fn model_mass_affects_only_derived_parameters() {
     let mut scene = RandomPlant::draw(1, 0).unwrap().scene;
     let run = |scene: &_, method| Bench::new(scene).unwrap().run(method).unwrap();
     scene.settings.insert(

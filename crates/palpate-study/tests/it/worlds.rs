@@ -112,7 +112,7 @@ fn a_wrong_mass_costs_little_and_a_known_delay_too() {
 }
 
 #[test]
-fn the_judge_and_the_renderer_see_the_same_world() {
+fn reference_and_renderer_simulate_the_same_world() {
     // A tool that no force of a renderer can move (its mass is huge) falls at constant speed onto a plane: the force
     // at each sample is that of the ideal at that time, for every method.
     let source = GROOVE

@@ -238,7 +238,7 @@ fn friction_and_cogging_hold_a_motor_up_to_their_level_and_not_beyond() {
 }
 
 #[test]
-fn a_hand_that_lets_go_leaves_the_device_to_itself() {
+fn released_device_moves_as_without_hand() {
     let release = 0.0123;
     let cogging = DrivetrainParams {
         cogging: Some(Cogging {
@@ -291,7 +291,7 @@ fn a_hand_that_lets_go_leaves_the_device_to_itself() {
 }
 
 #[test]
-fn one_body_that_is_let_go_moves_as_the_exact_mass_does() {
+fn released_rigid_drivetrain_moves_like_the_exact_mass() {
     let mut exact = HeldMass::new(0.15, hand())
         .and_then(|device| device.released_at(0.0517))
         .unwrap();

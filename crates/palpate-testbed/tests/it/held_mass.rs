@@ -265,7 +265,7 @@ fn one_advance_is_a_thousand_advances_through_stick_and_slip() {
 }
 
 #[test]
-fn the_books_close_though_each_account_is_its_own_integral() {
+fn ledger_closes_with_independently_integrated_accounts() {
     for step in [1e-5, 1e-3, 0.37] {
         let mut device = sticking_and_slipping().starting_at(0.0, 0.2).unwrap();
         let before = device.kinetic_energy();
@@ -358,7 +358,7 @@ fn random(state: &mut u64, least: f64, most: f64) -> f64 {
 }
 
 #[test]
-fn whatever_the_hand_and_the_friction_advances_can_be_cut_and_the_books_close() {
+fn random_hand_motion_with_friction_can_be_split_and_its_ledger_closes() {
     let mut state = 1;
     for case in 0..1000 {
         let mut random = |least, most| random(&mut state, least, most);
@@ -404,7 +404,7 @@ fn whatever_the_hand_and_the_friction_advances_can_be_cut_and_the_books_close() 
 }
 
 #[test]
-fn a_hand_that_lets_go_leaves_the_device_to_itself() {
+fn released_device_moves_as_without_hand() {
     let release = 0.123;
     let mut whole = sticking_and_slipping().released_at(release).unwrap();
     let mut first = sticking_and_slipping();

@@ -217,7 +217,7 @@ fn a_force_that_dies_away_after_contact_does_not_join_collisions() {
 
 /// Collisions with a gap that no force at the loop's rate can show are one, in the ideal as well.
 #[test]
-fn what_the_best_held_force_cannot_show_apart_is_judged_as_one() {
+fn collisions_with_unresolvable_gap_are_evaluated_as_one() {
     let (_, fine) = windowed(FALLING_BLOCK, 0.001, 3);
     let true_ones: Vec<_> = fine.collisions().to_vec();
     let duration = fine.period() * fine.intervals() as f64;

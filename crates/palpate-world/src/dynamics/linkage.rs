@@ -364,7 +364,7 @@ mod tests {
 
     /// Over a displacement of 2.6 mm, compared with 64 times finer intervals of the device.
     #[test]
-    fn device_and_avatar_go_the_way_that_finer_intervals_go() {
+    fn device_and_proxy_follow_the_path_of_finer_intervals() {
         let tool = tool();
         let (linkage, theta, h) = (Linkage::new(&tool).unwrap(), theta(&tool), 0.004);
         let begin = Start {

@@ -164,7 +164,7 @@ fn stack(law: ContactLaw) -> World {
 /// A tool pushes the middle box sideways, falls onto the stack and knocks it over: ledger of each contact, and the
 /// transfers between the points of a pair.
 #[test]
-fn the_books_of_a_stack_that_is_knocked_over_balance() {
+fn ledger_of_toppled_stack_closes() {
     let law = ContactLaw::spring(4000.0)
         .with_damping(2.0)
         .with_friction(0.4);

@@ -90,7 +90,7 @@ fn a_large_box_bears_a_capsule_as_a_half_space_does() {
 
 /// A tool rolls a log off a block that lies across another log: ledgers of each contact and of the world.
 #[test]
-fn the_books_of_logs_that_are_pushed_about_balance() {
+fn ledger_of_pushed_capsules_closes() {
     let law = ContactLaw::spring(4000.0)
         .with_damping(2.0)
         .with_friction(0.4);

@@ -165,7 +165,7 @@ fn a_body_that_comes_and_goes_leaves_the_others_alone() {
 }
 
 #[test]
-fn a_contact_that_gets_stiffer_books_the_energy_of_it() {
+fn contact_stiffness_increase_is_recorded_as_outside_energy() {
     let world = on_floor();
     let mut stiffer = world.clone();
     stiffer.contacts.push(Contact {
@@ -297,7 +297,7 @@ fn a_joint_goes_on_at_its_coordinate_and_a_new_one_begins_as_the_bodies_stand() 
 }
 
 #[test]
-fn another_mass_keeps_the_velocity_and_books_the_energy() {
+fn mass_change_keeps_velocity_and_records_energy() {
     let flying = |mass: f64| {
         let free = Free {
             angular_velocity: [1.0, 2.0, 3.0],

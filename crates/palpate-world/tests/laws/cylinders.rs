@@ -247,7 +247,7 @@ fn a_cylinder_across_a_post_tips_only_where_its_mass_centre_is_beyond_it() {
 
 /// A tool pushes cans around: ledgers of each contact and of the world.
 #[test]
-fn the_books_of_cylinders_that_are_pushed_about_balance() {
+fn ledger_of_pushed_cylinders_closes() {
     let law = ContactLaw::spring(4000.0)
         .with_damping(2.0)
         .with_friction(0.4);

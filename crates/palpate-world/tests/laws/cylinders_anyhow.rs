@@ -154,7 +154,7 @@ fn run(world: &World, period: f64, method: WorldMethod, case: u32) -> (WorldStat
 }
 
 #[test]
-fn whatever_is_thrown_at_cylinders_their_books_close() {
+fn ledger_of_random_cylinder_worlds_closes() {
     let (mut met, mut followed, mut worst) = (0, 0, [0.0_f64; 2]);
     for case in 0..90 {
         let mut numbers = Numbers(7919 * u64::from(case) + 17);

@@ -208,7 +208,7 @@ fn with_devices_known_exactly_each_held_force_is_the_mean_of_the_ideal_one() {
 }
 
 #[test]
-fn as_it_comes_and_told_another_mass_it_is_near_that_mean() {
+fn model_mass_error_keeps_forces_near_hold_bound() {
     let law = ContactLaw::spring(4000.0).with_damping(1.0);
     for loop_params in LOOPS {
         let same = |loop_params| loop_params;

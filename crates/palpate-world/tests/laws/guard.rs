@@ -131,7 +131,7 @@ fn in_the_corner() -> [(&'static str, WorldMethod); 3] {
 }
 
 #[test]
-fn a_loop_with_an_untold_delay_gives_out_no_more_than_the_allowance() {
+fn guard_keeps_energy_within_allowance_under_unmodelled_delay() {
     for (name, method) in in_the_corner() {
         for allowance in [0.01, 0.1] {
             let given = broken(method.clone(), WorldGuard::Limit(guard(allowance, 2)));

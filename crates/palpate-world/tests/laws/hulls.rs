@@ -52,7 +52,7 @@ fn two_free_hulls_conserve_momentum_angular_momentum_and_energy() {
 /// A tool knocks one box off another; both are boxes or hulls with the same corners. Includes the ledger of the
 /// hulls.
 #[test]
-fn hulls_of_boxes_move_as_boxes_and_their_books_balance() {
+fn hulls_of_boxes_move_like_boxes_and_their_ledger_closes() {
     let halves = [[0.02, 0.02, 0.01], [0.018, 0.015, 0.01]];
     let run = |shapes: [Shape; 2], friction: f64| {
         let law = ContactLaw::spring(4000.0)

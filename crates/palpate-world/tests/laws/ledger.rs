@@ -157,7 +157,7 @@ fn methods() -> [(&'static str, WorldMethod); 5] {
 }
 
 #[test]
-fn every_identity_of_the_books_holds_to_rounding() {
+fn ledger_identities_hold_to_rounding() {
     let law = ContactLaw::spring(3000.0)
         .with_damping(2.0)
         .with_friction(0.5);

@@ -395,7 +395,7 @@ impl Host {
 /// The host's ball and the device receive opposite impulses, and every ledger closes, with a host at 50 Hz that is
 /// late by half a step.
 #[test]
-fn body_and_device_get_the_same_impulse_and_the_books_close() {
+fn body_and_device_receive_opposite_impulses_and_ledgers_close() {
     const DEVICE: f64 = 0.15;
     let renderer = renderer(LocalParams::new(1, 1), DEVICE);
     let mut state = renderer.start();

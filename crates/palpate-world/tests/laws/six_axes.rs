@@ -376,7 +376,7 @@ fn with_a_device_known_exactly_each_held_wrench_is_the_mean_of_the_ideal_one() {
 }
 
 #[test]
-fn told_another_mass_and_inertia_it_is_near_that_mean() {
+fn model_mass_and_inertia_errors_keep_error_below_one_percent() {
     for case in cases() {
         let model = CoupledParams::new(vec![[1.5 * case.rigid.mass; 3]])
             .with_device_inertia(vec![case.rigid.moments.map(|moment| 0.7 * moment)]);
@@ -416,7 +416,7 @@ pub fn on_a_ball() -> (World, Rigid) {
 }
 
 #[test]
-fn every_identity_of_the_books_holds_to_rounding_for_six_axes() {
+fn six_axis_ledger_identities_hold_to_rounding() {
     let mass = [0.15; 3];
     let moments = [9.4e-5, 1.7e-4, 2e-4];
     let model = CoupledParams::new(vec![mass.map(|m| 1.5 * m)])

@@ -38,7 +38,7 @@ fn with_a_device_known_exactly_each_held_force_is_the_mean_of_the_ideal_one() {
 }
 
 #[test]
-fn told_another_mass_and_inertia_it_is_near_that_mean() {
+fn model_mass_and_inertia_errors_keep_error_below_one_percent() {
     for case in cases() {
         let model = CoupledParams::new(vec![[1.5 * case.rigid.mass; 3]])
             .with_device_inertia(vec![case.rigid.moments.map(|moment| 0.7 * moment)]);
@@ -119,7 +119,7 @@ fn off(ledger: &EnergyLedger, at_start: f64) -> [f64; 3] {
 /// Four methods render a box that is pressed onto a ball and past it onto the floor, with friction, and rotated
 /// there.
 #[test]
-fn the_books_balance_and_no_torque_is_sent() {
+fn ledger_closes_and_no_torque_is_sent() {
     for (number, method) in methods().into_iter().enumerate() {
         let name = method.name();
         let (mut world, mut device) = on_a_ball();

@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn rounding_that_is_told_is_no_noise() {
+    fn rounding_adds_no_noise_beyond_the_model_quantum() {
         let quantum = 1e-5;
         let rounded = |position: f64| (position / quantum).round() * quantum;
         for speed in [0.0, 0.001, 0.005, 0.006, 0.05, 0.3, 1.0] {

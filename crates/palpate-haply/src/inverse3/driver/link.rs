@@ -415,7 +415,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_cause_that_is_final_is_told() {
+    fn first_final_cause_is_reported() {
         let link = Link::new();
         assert_eq!(link.error(), None);
         link.set_unfit(Some(Cause::NotReady));
@@ -432,7 +432,7 @@ mod tests {
     }
 
     #[test]
-    fn what_keeps_a_device_from_forces_lasts_until_it_is_told() {
+    fn cause_of_disabled_force_persists_until_reported() {
         let link = Link::new();
         for _ in 0..3 {
             link.set_unfit(Some(Cause::NoPower));

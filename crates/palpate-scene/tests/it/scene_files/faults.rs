@@ -345,7 +345,7 @@ kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nintention = 3
 }
 
 #[test]
-fn a_recorded_intention_is_read_and_its_faults_are_told_at_the_key() {
+fn recorded_intention_is_read_and_its_faults_point_to_the_key() {
     let text = edited(
         "kind = \"constant-force\"\nforce_n = 1",
         "kind = \"impedance\"\nintention = \"hand.csv\"",

@@ -52,7 +52,7 @@ speed_limit_m_per_s = 10 -> largest_gap_s = 0.01
 }
 
 #[test]
-fn an_actuator_and_what_is_told_of_it_have_ranges() {
+fn out_of_range_actuator_and_model_values_are_rejected() {
     assert_faults(
         r#"delay_samples = 0 -> delay_s = -0.001
   25:11: loop.delay_s is -0.001 s, but must be from 0 s to 1024 periods

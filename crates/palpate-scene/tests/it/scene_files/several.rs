@@ -26,7 +26,7 @@ fn said(edits: &[(&str, &str)]) -> Vec<String> {
 }
 
 #[test]
-fn keys_combinations_and_ranges_are_told_together_in_the_file_s_order() {
+fn key_combination_and_range_errors_are_reported_in_file_order() {
     assert_eq!(
         said(&[
             ("stiffness_n_per_m = 400", "stiffness_n_per_m = -400"),
@@ -45,7 +45,7 @@ fn keys_combinations_and_ranges_are_told_together_in_the_file_s_order() {
 }
 
 #[test]
-fn several_ranges_of_device_contact_loop_and_method_are_told_together() {
+fn range_errors_of_device_contact_loop_and_method_are_reported_together() {
     assert_eq!(
         said(&[
             ("mass_kg = 0.25", "mass_kg = 0"),

@@ -207,7 +207,7 @@ fn a_table_of_one_matrix_is_a_device_of_that_mass() {
 }
 
 #[test]
-fn the_books_of_a_linkage_close() {
+fn ledger_of_linkage_closes() {
     let turning = "
 inertia_kg_m2 = [2e-5, 3e-5, 4e-5]
 angular_velocity_rad_per_s = [3.0, 1.0, -2.0]
@@ -240,7 +240,7 @@ hand_torque_n_m = [1e-3, 0.0, 2e-3]
 }
 
 #[test]
-fn a_renderer_may_be_told_a_factor() {
+fn model_mass_factor_scales_only_model_mass() {
     let source = format!("{CHANNEL}\n[render]\ndevice_mass_factor = 1.5\n");
     let (model, scene) = (parsed(&source, &five_bar(), 0.001), &scenes(0.001)[0].1);
     for axis in 0..2 {

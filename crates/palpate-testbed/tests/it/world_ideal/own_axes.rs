@@ -126,7 +126,7 @@ fn a_turned_world_moves_and_pushes_as_the_world_does() {
 }
 
 #[test]
-fn what_is_held_moves_its_plant_and_is_judged_along_its_axes() {
+fn held_force_moves_plant_and_is_evaluated_along_own_axes() {
     for masses in [[0.1, 0.16, 0.25], [0.1, f64::INFINITY, 0.25]] {
         let scenes = [scene(masses), turned_scene(&scene(masses))];
         let ideals = scenes

@@ -165,7 +165,7 @@ fn a_hand_that_has_rested_is_followed() {
 }
 
 #[test]
-fn noise_that_nobody_told_costs_no_more_than_noise_that_was_told() {
+fn unmodelled_noise_raises_velocity_error_by_less_than_ten_percent() {
     let (model, unmodelled) = (velocity_off(5e-6 * 12_f64.sqrt()), velocity_off(0.0));
     assert!(
         unmodelled < 1.1 * model,

@@ -263,7 +263,7 @@ fn upright() -> [f64; 4] {
 
 /// A six-axis mesh tool on a prescribed motion in a slot.
 #[test]
-fn the_books_of_a_tool_with_a_shell_balance() {
+fn ledger_of_mesh_tool_with_shell_closes() {
     let tool = Tool {
         turns: true,
         ..Tool::new("tool", Shape::Mesh(Arc::new(with_shell(angle(), 40))))

@@ -122,7 +122,7 @@ fn a_block_of_triangles_that_moves_and_its_hull_are_a_box() {
 }
 
 #[test]
-fn the_books_of_a_mesh_that_moves_balance() {
+fn ledger_of_falling_mesh_closes() {
     let falls = Body::new(
         "falls",
         Shape::Mesh(Arc::new(drawn())),
