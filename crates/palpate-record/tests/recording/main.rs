@@ -6,6 +6,7 @@ mod contacts;
 mod counted;
 mod damage;
 mod devices;
+mod documented;
 mod export;
 mod files;
 mod golden;

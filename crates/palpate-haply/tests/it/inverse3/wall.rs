@@ -15,7 +15,7 @@ use palpate_rt::{
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
 
-use crate::{ID, ms, options, wait_until};
+use crate::inverse3::{ID, ms, options, wait_until};
 
 /// 500 N/m at 1 kHz, at x = 0.
 fn wall(method: MethodName) -> Rendering {

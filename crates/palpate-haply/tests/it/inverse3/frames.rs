@@ -3,7 +3,7 @@
 use palpate_haply::inverse3::{Frame, FrameError, Model, Status, Unfit};
 use serde_json::{Value, json};
 
-use crate::samples::{full_3_1, full_3_5};
+use crate::inverse3::samples::{full_3_1, full_3_5};
 
 fn parse(frame: &Value) -> Result<Frame, FrameError> {
     Frame::parse(&frame.to_string())

@@ -204,7 +204,7 @@ fn a_cable_that_is_pulled_ends_the_run_and_can_be_put_back() {
     .unwrap();
     let device = open_in_the_middle(&emulator, PERIOD);
     let (tap, listener) = tap(1 << 15);
-    let clock = crate::clock();
+    let clock = crate::two_diy::clock();
     let control = wall(device, 150.0, PERIOD, 100.0).tapped(tap);
     let stop = StopFlag::new();
     let running = LoopThread::start(control, Request::nothing(), &stop, None).unwrap();

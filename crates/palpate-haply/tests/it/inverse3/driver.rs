@@ -7,7 +7,7 @@ use palpate_device::{Device, DeviceErrorKind};
 use palpate_haply::emulator::inverse3::{Emulator, EmulatorOptions, Fault, Latency};
 use palpate_haply::inverse3::{Form, Inverse3, Inverse3Options, Pace};
 
-use crate::{ID, emulator, ms, next, open, options, wait_until};
+use crate::inverse3::{ID, emulator, ms, next, open, options, wait_until};
 
 #[test]
 fn a_force_moves_the_device_in_both_forms() {

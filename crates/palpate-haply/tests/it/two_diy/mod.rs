@@ -2,8 +2,8 @@
 
 #![cfg(unix)]
 
+mod disabling;
 mod faults;
-mod letting_go;
 mod motors;
 mod opening;
 mod replies;

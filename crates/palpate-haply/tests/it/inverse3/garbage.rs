@@ -4,8 +4,8 @@ use palpate_haply::inverse3::Frame;
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::believed::read;
-use crate::samples::{full_3_1, full_3_5};
+use crate::inverse3::believed::read;
+use crate::inverse3::samples::{full_3_1, full_3_5};
 
 fn any_json() -> impl Strategy<Value = Value> {
     let leaf = prop_oneof![

@@ -1,5 +1,5 @@
 //! Compares the tables of columns in the documentation with the list from which the files are written.
-//! `PALPATE_WRITE_DOCS=1 cargo test --release -p palpate-record --test documented` updates the documentation.
+//! `PALPATE_WRITE_DOCS=1 cargo test --release -p palpate-record --test recording documented` updates the documentation.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -26,7 +26,7 @@ fn compare(document: &str, name: &str, made: &str) {
         &text[from..to],
         made,
         "docs/{document} is not up to date; PALPATE_WRITE_DOCS=1 cargo test --release -p palpate-record \
-         --test documented writes it"
+         --test recording documented writes it"
     );
 }
 

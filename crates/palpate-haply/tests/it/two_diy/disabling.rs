@@ -145,7 +145,7 @@ fn the_zero_writer_waits_for_nobody() {
     pressing(&emulator);
     emulator.inject_faults(Fault::Stall(Duration::from_millis(200)));
     std::thread::sleep(Duration::from_millis(5));
-    let clock = crate::clock();
+    let clock = crate::two_diy::clock();
     let begun = clock.now();
     for _ in 0..100 {
         zero.write_zero();

@@ -11,8 +11,8 @@ use palpate_haply::inverse3::{Counts, Form, Inverse3, Inverse3Options, Pace};
 use serde_json::json;
 use tungstenite::Message;
 
-use crate::samples::full_3_5;
-use crate::{ID, emulator, error_under, ms, next, open, options, wait_until};
+use crate::inverse3::samples::full_3_5;
+use crate::inverse3::{ID, emulator, error_under, ms, next, open, options, wait_until};
 
 const FORCE: [f64; 3] = [1.0, 0.0, 0.0];
 

@@ -7,7 +7,7 @@ use palpate_device::clock::MonotonicClock;
 use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions};
 use palpate_haply::inverse3::{Form, Found, Inverse3, Inverse3Options, Unfit, devices};
 
-use crate::{ID, emulator, ms, options, wait_until};
+use crate::inverse3::{ID, emulator, ms, options, wait_until};
 
 fn refused(options: &Inverse3Options) -> String {
     Inverse3::open(options, MonotonicClock::new())
