@@ -98,10 +98,7 @@ impl<S: Scalar> Drive<S> {
         let mut first_transition = None;
         let mut bounces_skipped = false;
         for _ in 0..MAX_TRANSITIONS {
-            let free = at.penetration < S::ZERO
-                || (at.penetration == S::ZERO
-                    && (at.speed < S::ZERO || (at.speed == S::ZERO && a <= S::ZERO)));
-            if free {
+            if self.is_free(at) {
                 let Some((after, speed)) = self.entry(at).filter(|(after, _)| *after < left) else {
                     passed(Part::Free(at, left));
                     return Course {
@@ -119,14 +116,9 @@ impl<S: Scalar> Drive<S> {
                 };
             } else {
                 if at.penetration == S::ZERO && a > S::ZERO && !bounces_skipped {
-                    // Pushed together, the motion repeats: contact, flight, contact. A whole period preserves the
-                    // relative momentum, so its impulse is that of a.
                     bounces_skipped = true;
-                    let period = self.contact_time(at.speed, omega) + S::TWO * at.speed / a;
-                    let whole = (left / period).floor();
-                    if period > S::ZERO && whole >= S::ONE && whole.is_finite() {
+                    if let Some(skipped) = self.whole_bounces(at.speed, omega, left) {
                         passed(Part::Bounces);
-                        let skipped = (whole * period).min(left);
                         impulse += a * skipped / self.mobility;
                         left -= skipped;
                     }
@@ -165,6 +157,26 @@ impl<S: Scalar> Drive<S> {
             impulse,
             first_transition,
         }
+    }
+
+    /// Returns whether the motion continues in free flight; a spring that is only touched is not in contact.
+    #[inline]
+    fn is_free(&self, at: Relative<S>) -> bool {
+        let a = self.acceleration;
+        at.penetration < S::ZERO
+            || (at.penetration == S::ZERO
+                && (at.speed < S::ZERO || (at.speed == S::ZERO && a <= S::ZERO)))
+    }
+
+    /// Returns the duration of the whole bounces within `left` `[s]` that begin at `speed` `[m/s]`, if any.
+    #[inline]
+    fn whole_bounces(&self, speed: S, omega: S, left: S) -> Option<S> {
+        // Pushed together, the motion repeats: contact, flight, contact. A whole period preserves the relative
+        // momentum, so its impulse is that of a.
+        let period = self.contact_time(speed, omega) + S::TWO * speed / self.acceleration;
+        let whole = (left / period).floor();
+        (period > S::ZERO && whole >= S::ONE && whole.is_finite())
+            .then(|| (whole * period).min(left))
     }
 
     fn fly(&self, at: Relative<S>, h: S) -> Relative<S> {

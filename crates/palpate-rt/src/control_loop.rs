@@ -1,12 +1,16 @@
 //! The control loop: sleep, sample, render, limit, command, record.
 
+mod tick_phases;
+
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use palpate_core::AlongAxis;
-use palpate_record::recording::{ContactTick, DeviceTick, Flags, Row, Tick};
+use palpate_record::recording::{DeviceTick, Row, Tick};
+
+use tick_phases::TickTimes;
 
 use crate::deadlines::Deadlines;
 use crate::driven::Devices;
@@ -307,9 +311,37 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         self.clock.sleep_until(deadline);
         let woke = self.clock.now();
         let before = self.ticked.replace(woke);
-        let has_overslept = self.has_overslept(before, woke);
-        let mut was_cut = self.supervisor_cut();
+        let was_cut = self.supervisor_cut();
         self.heartbeat.beat(woke);
+        self.take_changes();
+
+        let answered = self.sample(woke);
+        let stalled = self.detect_stall(before, woke, answered, was_cut);
+        let step = self.render_or_wait(stalled);
+        self.report_stops(woke);
+        self.count_refusals(&step);
+        // Only now: the interval that this sample ended belongs to the previous method.
+        self.follow_method();
+        self.command();
+
+        let ended = self.clock.now();
+        let times = TickTimes {
+            deadline,
+            woke,
+            answered,
+            ended,
+        };
+        let missed = self.end_period(&times);
+        let tick = self.tick_data(&times, &step, missed);
+        self.devices
+            .take_down(self.teller.sequence, self.teller.started);
+        self.count_tick(&times, missed);
+        self.pass_on(tick)
+    }
+
+    /// Accepts rearming, a changed rendering and another world.
+    #[inline]
+    fn take_changes(&mut self) {
         if self.rearm.swap(false, Ordering::AcqRel) && self.devices.rearm() {
             self.note(Note::Rearmed);
         }
@@ -322,111 +354,6 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         }
         if let Some(generation) = self.rendered.take_other_world() {
             self.note(Note::OtherWorld(generation, self.rendered.method()));
-        }
-
-        let answered = self.sample(woke);
-        // The read of a device may have caused the stall.
-        was_cut |= self.supervisor_cut();
-        let stood_still_in_read = answered.saturating_sub(woke) > self.stall_limit;
-        if has_overslept || stood_still_in_read || was_cut {
-            // Check only after the read: a device detects its watchdog's command in a read. A supervisor that stalled
-            // together with the loop acts too late.
-            let in_read = stood_still_in_read && !has_overslept;
-            let since = before.filter(|_| !in_read).unwrap_or(woke);
-            was_cut |= self.watchdog_cut(since);
-        }
-        let stalled = has_overslept || was_cut;
-        if was_cut {
-            self.record_cuts();
-        }
-        let are_fresh = self.devices.are_fresh();
-        let mut elapsed = None;
-        let mut fault = None;
-        if are_fresh {
-            elapsed = self.elapsed();
-            fault = self.render(elapsed, stalled).fault;
-        } else {
-            self.statistics.without_sample += u64::from(self.devices.lack_a_sample());
-            self.devices.go_without(stalled);
-        }
-        self.send_safety_stops();
-        let (lateness, period) = (self.rendered.learned_lateness(), self.rendered.period());
-        if let Some(lateness) = self.lateness.news(lateness, period, woke) {
-            self.note(Note::LearnedLateness(lateness));
-        }
-        if self.supervisor_cut() {
-            self.record_cuts();
-            // The force that the supervisor has just removed must not be commanded again.
-            self.devices.stall();
-            self.send_safety_stops();
-        }
-        if let Some(fault) = fault {
-            self.statistics.refused += 1;
-            self.statistics.refused_at_end += 1;
-            self.note(Note::Fault(fault));
-        } else if are_fresh {
-            self.statistics.refused_at_end = 0;
-        }
-        // Only now: the interval that this sample ended belongs to the previous method.
-        self.follow_method();
-        self.command();
-
-        let ended = self.clock.now();
-        let missed = self.deadlines.as_mut().map_or(0, |d| d.ended(woke, ended));
-        if missed > 0 {
-            self.note(Note::MissedDeadlines(missed));
-        }
-        self.is_off = self.devices.are_off();
-        if ended.saturating_sub(answered) > self.stall_limit {
-            self.watchdog_cut(woke);
-            self.record_cuts();
-        }
-        self.motors_off.tick(woke, ended, self.is_off);
-        let flags = Flags::default()
-            .with(Flags::FAULT, fault.is_some())
-            .with(Flags::SAFETY_LIMITED, self.devices.are_bounded())
-            .with(Flags::SAFETY_STOPPED, self.is_off)
-            .with(Flags::MISSED_DEADLINE, missed > 0)
-            .with(Flags::DEVICE_FAULT, !are_fresh);
-        let (commanded, delivered) = self.devices.first_wrenches();
-        self.rendered.account(self.teller.sequence, delivered.force);
-        let tick = Tick {
-            lateness: woke.as_secs_f64() - deadline.as_secs_f64(),
-            period: elapsed.unwrap_or(f64::NAN),
-            commanded_force: commanded.force,
-            commanded_torque: commanded.torque,
-            delivered_force: delivered.force,
-            delivered_torque: delivered.torque,
-            tick_duration: (ended - answered).as_secs_f64(),
-            device_round_trip: (answered - woke).as_secs_f64(),
-            created_energy: self.rendered.created_energy(),
-            flags: flags.with(self.rendered.flags(), true),
-            ..self.seen(woke)
-        };
-        self.devices
-            .take_down(self.teller.sequence, self.teller.started);
-        self.statistics.ticks += 1;
-        self.statistics.missed_deadlines += missed;
-        self.statistics.motors_off += u64::from(self.is_off);
-        self.statistics.time = self.motors_off.time();
-        self.statistics.off_at_end = self.motors_off.unbroken();
-        self.statistics.lateness.add(woke - deadline.min(woke));
-        self.statistics.tick.add(ended - answered);
-        self.statistics.round_trip.add(answered - woke);
-        let (contacts, bodies) = (self.rendered.contacts(), self.rendered.bodies());
-        if let Some(tap) = &mut self.teller.tap {
-            tap.tick_with_devices(&tick, contacts, bodies, self.devices.ticks());
-            tap.ran(self.motors_off.time());
-        }
-        self.teller.sequence += 1;
-        Row {
-            tick: Tick {
-                contacts: u32::try_from(contacts.len()).unwrap_or(u32::MAX),
-                bodies: u32::try_from(bodies.len()).unwrap_or(u32::MAX),
-                ..tick
-            },
-            contact: contacts.first().copied().unwrap_or(ContactTick::UNKNOWN),
-            ..Row::UNKNOWN
         }
     }
 

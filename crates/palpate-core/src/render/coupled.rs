@@ -3,7 +3,7 @@
 mod interval;
 mod saturation;
 
-use interval::{Moved, ProxyState, rule};
+use interval::{Interval, Moved, ProxyState, rule};
 use saturation::Saturation;
 
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
@@ -16,8 +16,10 @@ use crate::motion::{Displacement, ObjectMotion};
 use crate::parameter::{ParameterError, ParameterValue};
 use crate::relative_motion::Relative;
 use crate::render::predict::{
-    Flexure, Lateness, Observer, ObserverParams, Placed, SensorInterval, SensorNoise, Sway,
+    EstimatedMotion, Flexure, Lateness, Measurement, Observer, ObserverParams, Placed,
+    SensorInterval, SensorNoise, Sway, Update,
 };
+use crate::response::Response;
 
 /// Coupled rendering by name.
 pub(super) const COUPLED: MethodInfo = MethodInfo {
@@ -287,30 +289,9 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             return ended.as_planned(motion);
         };
         let before = observer.motion;
-        let sway = memory.sway;
-        let mut measurement = ended.measurement();
-        if self.timing_deviation > S::ZERO {
-            // An estimated delay is certain.
-            measurement.held.impulse_deviation = measurement.held.impulse_deviation
-                * memory.lateness.remaining(self.timing_deviation);
-        }
-        let mut behind = S::ZERO;
-        if let Some(flexure) = &self.flexure {
-            // Motion of the centre of mass, from the motor position and the stretch of the transmission.
-            memory.sway = flexure.under(sway, before.mobility, &ended.held, ended.elapsed);
-            behind = flexure.behind(&sway);
-            measurement.moved += flexure.behind(&memory.sway) - behind;
-        }
-        let model = self.observer.measurement_variance;
-        let interval = SensorInterval {
-            moved: ended.device_moved,
-            elapsed: ended.elapsed,
-            pushed: before.mobility * ended.held.mean * ended.elapsed * ended.elapsed,
-            expected: before.velocity * ended.elapsed,
-        };
-        // Without a force the device's mass is not estimated, so the observer need not restart.
-        let _ = memory.sensor_noise.take(&interval, model);
-        let variance = memory.sensor_noise.variance(model);
+        let (measurement, behind) =
+            self.measured(ended, before.mobility, &memory.lateness, &mut memory.sway);
+        let variance = self.sensor_variance(ended, &before, &mut memory.sensor_noise);
         let (smoothed, lesson) = observer.update(&self.observer, &measurement, variance);
         if let Some(lesson) = lesson.as_ref().filter(|_| self.timing_deviation > S::ZERO) {
             let (held, elapsed, model) = (&ended.held, ended.elapsed, self.timing_deviation);
@@ -340,22 +321,15 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         };
         let (interval, response) =
             self.interval_past(motion, &device, start, memory.proxy.sway, ended, certainty);
-        let touched = interval.course.impulse > S::ZERO;
         // A limited force gives no information on the object's position.
-        let response = response.filter(|_| !interval.is_saturated);
-        memory.placed = match (lesson, &response) {
-            (Some(lesson), Some(response)) => {
-                let placed = if touched && start.penetration <= S::ZERO {
-                    // A new collision: the remaining error of the previous one has been observed by now.
-                    Placed::default()
-                } else {
-                    memory.placed
-                };
-                let touched = touched || ended.held.mean != S::ZERO;
-                placed.after(lesson, &device, response, touched, ended.held.mean)
-            }
-            _ => Placed::default(),
-        };
+        let response = response.as_ref().filter(|_| !interval.is_saturated);
+        memory.placed = placed_after(
+            &memory.placed,
+            lesson.zip(response),
+            &device,
+            &interval,
+            ended.held.mean,
+        );
         let Moved {
             object: mut moved,
             shift,
@@ -426,15 +400,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             relative.speed = device.velocity + proxy.speed - object_velocity;
         });
         let interval = self.interval(motion, &device, relative, proxy.sway, virtual_force, period);
-        let residual = if !motion.is_wall() {
-            S::from_f64(REPAID) * residual
-        } else if device.mobility > S::ZERO {
-            let kappa = motion.stiffness() * device.mobility * period * period;
-            let most = (S::from_f64(REPAID_BY_WALLS) * kappa).min(S::ONE) * interval.course.impulse;
-            (S::ZERO - proxy.speed / device.mobility).within(most)
-        } else {
-            S::ZERO
-        };
+        let residual = repaid(motion, &device, &proxy, &interval, residual);
         memory.is_limited = interval.is_saturated;
         let mut mean = ((interval.course.impulse + residual) / period).max(S::ZERO);
         let apart = interval.course.impulse == S::ZERO;
@@ -502,5 +468,102 @@ impl<S: Scalar> Method<S> for Coupled<S> {
     #[inline]
     fn proxy_shift(&self, memory: &CoupledMemory<S>) -> S {
         memory.shift
+    }
+}
+
+impl<S: Scalar> Coupled<S> {
+    /// Returns the measurement at the end of an interval as the motion of the device's centre of mass, and the distance
+    /// of the motor behind it at the interval's beginning `[m]`. `mobility`: estimated 1/m `[1/kg]`. `stretch`: that of
+    /// the transmission, advanced to the interval's end.
+    #[inline(always)]
+    fn measured(
+        &self,
+        ended: &Ended<S>,
+        mobility: S,
+        lateness: &Lateness<S>,
+        stretch: &mut Sway<S>,
+    ) -> (Measurement<S>, S) {
+        let sway = *stretch;
+        let mut measurement = ended.measurement();
+        if self.timing_deviation > S::ZERO {
+            // An estimated delay is certain.
+            measurement.held.impulse_deviation =
+                measurement.held.impulse_deviation * lateness.remaining(self.timing_deviation);
+        }
+        let mut behind = S::ZERO;
+        if let Some(flexure) = &self.flexure {
+            // Motion of the centre of mass, from the motor position and the stretch of the transmission.
+            *stretch = flexure.under(sway, mobility, &ended.held, ended.elapsed);
+            behind = flexure.behind(&sway);
+            measurement.moved += flexure.behind(stretch) - behind;
+        }
+        (measurement, behind)
+    }
+
+    /// Returns the variance of the position sensor `[m^2]` after the interval that a sample ends. `before`: device
+    /// motion at its beginning.
+    #[inline(always)]
+    fn sensor_variance(
+        &self,
+        ended: &Ended<S>,
+        before: &EstimatedMotion<S>,
+        sensor_noise: &mut SensorNoise<S>,
+    ) -> S {
+        let model = self.observer.measurement_variance;
+        let interval = SensorInterval {
+            moved: ended.device_moved,
+            elapsed: ended.elapsed,
+            pushed: before.mobility * ended.held.mean * ended.elapsed * ended.elapsed,
+            expected: before.velocity * ended.elapsed,
+        };
+        // Without a force the device's mass is not estimated, so the observer need not restart.
+        let _ = sensor_noise.take(&interval, model);
+        sensor_noise.variance(model)
+    }
+}
+
+/// Returns the uncertainty of the object's position after an interval under `held_force` `[N]`. `seen`: update of the
+/// observer and response of the relative motion, if both give information on it.
+#[inline(always)]
+fn placed_after<S: Scalar>(
+    placed: &Placed<S>,
+    seen: Option<(&Update<S>, &Response<S>)>,
+    device: &EstimatedMotion<S>,
+    interval: &Interval<S>,
+    held_force: S,
+) -> Placed<S> {
+    let Some((lesson, response)) = seen else {
+        return Placed::default();
+    };
+    let touched = interval.course.impulse > S::ZERO;
+    let placed = if touched && interval.start.penetration <= S::ZERO {
+        // A new collision: the remaining error of the previous one has been observed by now.
+        Placed::default()
+    } else {
+        *placed
+    };
+    let touched = touched || held_force != S::ZERO;
+    placed.after(lesson, device, response, touched, held_force)
+}
+
+/// Returns the impulse by which the force of the next interval corrects past errors `[N s]`: for an object a part of
+/// `residual` `[N s]`, and for a wall the impulse that removes the speed of its proxy, within a bound.
+#[inline(always)]
+fn repaid<S: Scalar>(
+    motion: &ObjectMotion<S>,
+    device: &EstimatedMotion<S>,
+    proxy: &ProxyState<S>,
+    interval: &Interval<S>,
+    residual: S,
+) -> S {
+    if !motion.is_wall() {
+        S::from_f64(REPAID) * residual
+    } else if device.mobility > S::ZERO {
+        let period = interval.duration;
+        let kappa = motion.stiffness() * device.mobility * period * period;
+        let most = (S::from_f64(REPAID_BY_WALLS) * kappa).min(S::ONE) * interval.course.impulse;
+        (S::ZERO - proxy.speed / device.mobility).within(most)
+    } else {
+        S::ZERO
     }
 }

@@ -341,63 +341,23 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
             virtual_force: now.start.virtual_force,
         };
         let period = motion.period();
-        let k = motion.stiffness();
-        let p = start.penetration;
-        // d = xi~ - xi_i; the paper's prediction is xi~ = 2 xi_i - xi_{i-1}.
-        let d = start.device_velocity * period;
 
-        // Modified force, rule, displacement, and the part of the interval spent in contact.
-        let (modified, rule, moved, share) = if now.in_contact() {
-            let pressed = motion.press(start);
-            if p + d - pressed.by > S::ZERO {
-                let force = k * (p + S::HALF * d - pressed.by);
-                (force, Rule::Contact, pressed, S::ONE)
-            } else if self.smooth_transition {
-                let after = motion.release(start);
-                let rule = Rule::Leaves(after);
-                let share = after / period;
-                let force = -S::HALF * k * d * share * share;
-                (force, rule, motion.advance(rule, start, period), share)
-            } else {
-                // Contact is predicted to end: the device receives all energy that the held spring still stores.
-                let left = p - pressed.by;
-                let force = if d.abs() < S::from_f64(STANDSTILL) {
-                    k * left.max(S::ZERO)
-                } else {
-                    -S::HALF * k * left * (left / d)
-                };
-                (force, Rule::Contact, pressed, S::ONE)
-            }
+        let Modified {
+            force: modified,
+            rule,
+            moved,
+            share,
+        } = if now.in_contact() {
+            self.modified_in_contact(motion, start)
         } else {
             match motion.entry(start).filter(|_| self.smooth_transition) {
-                None => {
-                    let flown = motion.fly(start, period);
-                    (S::ZERO, Rule::Free, flown, S::ZERO)
-                }
-                Some(after) => {
-                    let waiting = after / period;
-                    let share = S::ONE - waiting;
-                    // Position at which the device touches, and at which it is held, as fractions of d.
-                    let touched_at = start.device_velocity * after;
-                    let (hold, held_at) = match self.entry_hold {
-                        EntryHold::Crossing => (waiting, touched_at),
-                        EntryHold::Sample => (S::ZERO, S::ZERO),
-                        EntryHold::Midpoint => {
-                            (S::HALF * (S::ONE + waiting), S::HALF * (touched_at + d))
-                        }
-                    };
-                    let rule = Rule::Enters { after, held_at };
-                    let moved = motion.advance(rule, start, period);
-                    // Mean of the held position and the predicted end position of the device.
-                    let device = S::HALF * d * (S::ONE + hold);
-                    let mut force = (S::ONE - hold) * k * (p + device - moved.by);
-                    if self.entry_hold != EntryHold::Crossing {
-                        // The spring is not relaxed initially; its initial energy is supplied as well.
-                        let stretched = hold - waiting;
-                        force += S::HALF * k * d * stretched * stretched;
-                    }
-                    (force, rule, moved, share)
-                }
+                None => Modified {
+                    force: S::ZERO,
+                    rule: Rule::Free,
+                    moved: motion.fly(start, period),
+                    share: S::ZERO,
+                },
+                Some(after) => self.modified_on_entry(motion, start, after),
             }
         };
         let elastic = if self.modified_force {
@@ -411,6 +371,94 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
             force: elastic + dissipating,
             rule,
             moved,
+        }
+    }
+}
+
+/// Modified force and the motion of the object that belongs to it.
+struct Modified<S> {
+    /// Modified contact force, Eq. (9) `[N]`.
+    force: S,
+    /// Motion of the object.
+    rule: Rule<S>,
+    /// Displacement of the object over one period.
+    moved: Displacement<S>,
+    /// Part of the interval spent in contact.
+    share: S,
+}
+
+impl<S: Scalar> Hfcr<S> {
+    /// Returns the modified force for an interval that begins in contact.
+    #[inline(always)]
+    fn modified_in_contact(&self, motion: &ObjectMotion<S>, start: &Start<S>) -> Modified<S> {
+        let period = motion.period();
+        let k = motion.stiffness();
+        let p = start.penetration;
+        // d = xi~ - xi_i; the paper's prediction is xi~ = 2 xi_i - xi_{i-1}.
+        let d = start.device_velocity * period;
+        let pressed = motion.press(start);
+        let (force, rule, moved, share) = if p + d - pressed.by > S::ZERO {
+            let force = k * (p + S::HALF * d - pressed.by);
+            (force, Rule::Contact, pressed, S::ONE)
+        } else if self.smooth_transition {
+            let after = motion.release(start);
+            let rule = Rule::Leaves(after);
+            let share = after / period;
+            let force = -S::HALF * k * d * share * share;
+            (force, rule, motion.advance(rule, start, period), share)
+        } else {
+            // Contact is predicted to end: the device receives all energy that the held spring still stores.
+            let left = p - pressed.by;
+            let force = if d.abs() < S::from_f64(STANDSTILL) {
+                k * left.max(S::ZERO)
+            } else {
+                -S::HALF * k * left * (left / d)
+            };
+            (force, Rule::Contact, pressed, S::ONE)
+        };
+        Modified {
+            force,
+            rule,
+            moved,
+            share,
+        }
+    }
+
+    /// Returns the modified force for an interval in which contact begins `after` `[s]`.
+    #[inline(always)]
+    fn modified_on_entry(
+        &self,
+        motion: &ObjectMotion<S>,
+        start: &Start<S>,
+        after: S,
+    ) -> Modified<S> {
+        let period = motion.period();
+        let k = motion.stiffness();
+        // The predicted displacement of the device, as in contact.
+        let d = start.device_velocity * period;
+        let waiting = after / period;
+        // Position at which the device touches, and at which it is held, as fractions of d.
+        let touched_at = start.device_velocity * after;
+        let (hold, held_at) = match self.entry_hold {
+            EntryHold::Crossing => (waiting, touched_at),
+            EntryHold::Sample => (S::ZERO, S::ZERO),
+            EntryHold::Midpoint => (S::HALF * (S::ONE + waiting), S::HALF * (touched_at + d)),
+        };
+        let rule = Rule::Enters { after, held_at };
+        let moved = motion.advance(rule, start, period);
+        // Mean of the held position and the predicted end position of the device.
+        let device = S::HALF * d * (S::ONE + hold);
+        let mut force = (S::ONE - hold) * k * (start.penetration + device - moved.by);
+        if self.entry_hold != EntryHold::Crossing {
+            // The spring is not relaxed initially; its initial energy is supplied as well.
+            let stretched = hold - waiting;
+            force += S::HALF * k * d * stretched * stretched;
+        }
+        Modified {
+            force,
+            rule,
+            moved,
+            share: S::ONE - waiting,
         }
     }
 }

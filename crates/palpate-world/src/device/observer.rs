@@ -304,6 +304,18 @@ impl AxisPrior {
     }
 }
 
+/// Uncertainty expected at the end of an interval.
+struct Expected {
+    /// Covariance of the state at the start with that at the end.
+    cross: Covariance,
+    /// Covariance of the state at the end.
+    covariance: Covariance,
+    /// Variance of the measured displacement `[m^2]`.
+    variance: f64,
+    /// Variance of the hand's jerk for the next interval `[m^2/s^6]`.
+    jerk_variance: f64,
+}
+
 /// Returns the covariance of the state at the start of an interval with that at its end, and the covariance at the
 /// end without jerk.
 fn carried(at_start: &Covariance, transition: &[Row; 3]) -> (Covariance, Covariance) {
@@ -391,6 +403,32 @@ impl AxisObserver {
             at_start[(VELOCITY, VELOCITY)] += (square / EXPLAINED - variance) / (h * h);
             (cross, covariance, variance) = expects(&at_start, jerk_variance);
         }
+        let expected = Expected {
+            cross,
+            covariance,
+            variance,
+            jerk_variance: calmed,
+        };
+        self.adapt(from, innovation, &change, expected, h)
+    }
+
+    /// Corrects the estimate by an `innovation` `[m]`. Returns the smoothed state at the beginning of the interval.
+    #[inline(always)]
+    fn adapt(
+        &mut self,
+        from: &AxisPrior,
+        innovation: f64,
+        change: &Change,
+        expected: Expected,
+        h: f64,
+    ) -> AxisMotion {
+        let before = self.motion;
+        let Expected {
+            cross,
+            mut covariance,
+            variance,
+            jerk_variance,
+        } = expected;
         let seen: Row = covariance.column(0).into();
         let gain = seen / variance;
         let update = gain * innovation;
@@ -416,7 +454,7 @@ impl AxisObserver {
                 spring_rate,
             },
             covariance,
-            jerk_variance: calmed,
+            jerk_variance,
             sensor_noise: self.sensor_noise,
         };
         if !adapted.is_sound() {

@@ -61,31 +61,7 @@ impl Tracking {
         self.since += duration;
         let was_seen = self.is_seen;
         self.is_seen = false;
-        for tool in 0..self.trusted.len() {
-            let position = sample.positions.get(tool);
-            let fault = match position {
-                Some(position) if position.iter().all(|x| x.is_finite()) => {
-                    // Distances overflow for values beyond 1e154.
-                    let square: f64 = position.iter().map(|x| x * x).sum();
-                    (!square.is_finite()).then_some(Fault::Overflow)
-                }
-                _ => Some(Fault::PositionNotFinite),
-            };
-            if let Some(fault) = fault {
-                return Err(WorldFault {
-                    fault,
-                    tool: Some(tool),
-                });
-            }
-        }
-        for (tool, turns) in self.turns.iter().enumerate() {
-            if *turns && unit(sample.orientations.get(tool)).is_none() {
-                return Err(WorldFault {
-                    fault: Fault::OrientationNotUnit,
-                    tool: Some(tool),
-                });
-            }
-        }
+        self.check_values(sample)?;
         // A tool that does not turn keeps its initial orientation.
         let turn_of = |tool: usize| {
             let turned = unit(sample.orientations.get(tool)).filter(|_| self.turns[tool]);
@@ -120,6 +96,51 @@ impl Tracking {
         let confirmed = was_seen
             && goes_too_fast(&self.seen, duration).is_none()
             && (spins_on || turns_too_fast(&self.seen_turn, duration).is_none());
+        self.remember(sample);
+        let elapsed = elapsed.map_err(|fault| WorldFault { fault, tool: None })?;
+        match leaps {
+            Some(tool) if !confirmed => Err(WorldFault {
+                fault: Fault::JumpTooFast,
+                tool: Some(tool),
+            }),
+            _ => Ok(elapsed),
+        }
+    }
+
+    /// Rejects positions that are not finite or overflow, and orientations that are not of length 1.
+    #[inline]
+    fn check_values(&self, sample: &Sample<'_>) -> Result<(), WorldFault> {
+        for tool in 0..self.trusted.len() {
+            let position = sample.positions.get(tool);
+            let fault = match position {
+                Some(position) if position.iter().all(|x| x.is_finite()) => {
+                    // Distances overflow for values beyond 1e154.
+                    let square: f64 = position.iter().map(|x| x * x).sum();
+                    (!square.is_finite()).then_some(Fault::Overflow)
+                }
+                _ => Some(Fault::PositionNotFinite),
+            };
+            if let Some(fault) = fault {
+                return Err(WorldFault {
+                    fault,
+                    tool: Some(tool),
+                });
+            }
+        }
+        for (tool, turns) in self.turns.iter().enumerate() {
+            if *turns && unit(sample.orientations.get(tool)).is_none() {
+                return Err(WorldFault {
+                    fault: Fault::OrientationNotUnit,
+                    tool: Some(tool),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Stores the positions and orientations of a sample as the last ones seen.
+    #[inline]
+    fn remember(&mut self, sample: &Sample<'_>) {
         let turns = &self.turns;
         for (tool, seen) in self.seen_turn.iter_mut().enumerate() {
             let turned = unit(sample.orientations.get(tool)).filter(|_| turns[tool]);
@@ -129,14 +150,6 @@ impl Tracking {
             *seen = *position;
         }
         self.is_seen = true;
-        let elapsed = elapsed.map_err(|fault| WorldFault { fault, tool: None })?;
-        match leaps {
-            Some(tool) if !confirmed => Err(WorldFault {
-                fault: Fault::JumpTooFast,
-                tool: Some(tool),
-            }),
-            _ => Ok(elapsed),
-        }
     }
 
     /// Copies the state of `other`, which has the same tools. It does not allocate.

@@ -233,6 +233,16 @@ fn decayed(rate: f64, h: f64) -> f64 {
     sum
 }
 
+/// Uncertainty expected at the end of an interval.
+struct Expected {
+    /// Covariance of the state at the end with that at the start.
+    cross: Covariance,
+    /// Covariance of the state at the end.
+    covariance: Covariance,
+    /// Inverse covariance of the measured rotation vector `[1/rad^2]`, if it exists.
+    inverse: Option<Matrix3<f64>>,
+}
+
 /// Minimum of the estimated inertia, relative to its model value.
 const LIGHTEST: f64 = 0.05;
 /// Maximum of the estimated inertia, relative to its model value.
@@ -288,17 +298,7 @@ impl TurningObserver {
             // Covariance of the state at the end with that at the start.
             let cross = transition * at_start;
             let mut covariance = cross * transition.transpose();
-            for axis in 0..3 {
-                let own = end.orientation * Vector3::ith(axis, from.prior.angular_jerk);
-                let moment = from.moments[axis];
-                let mut jerk = Column::zeros();
-                jerk.fixed_rows_mut::<3>(0)
-                    .copy_from(&(own * (h * h * h / 6.0)));
-                jerk.fixed_rows_mut::<3>(3)
-                    .copy_from(&(own * (moment * h * h / 2.0)));
-                jerk.fixed_rows_mut::<3>(6).copy_from(&(own * (moment * h)));
-                covariance += jerk * jerk.transpose();
-            }
+            add_jerk(&mut covariance, from, &end, h);
             let mut variance: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into();
             for axis in 0..3 {
                 variance[(axis, axis)] += from.measurement_variance + kick[axis] * kick[axis];
@@ -317,10 +317,34 @@ impl TurningObserver {
             momentum += inertia * inertia * rate;
             (cross, covariance, inverse) = expects(&at_start);
         }
-        let Some(inverse) = inverse else {
+        let expected = Expected {
+            cross,
+            covariance,
+            inverse,
+        };
+        let Some(smoothed) = self.adapt(&innovation, &end, expected, h) else {
             *self = Self::new(from, *measured);
             return self.motion;
         };
+        smoothed
+    }
+
+    /// Corrects the estimate by an `innovation` `[rad]`. Returns the smoothed start, or `None` if that is impossible.
+    #[inline(always)]
+    fn adapt(
+        &mut self,
+        innovation: &Vector3,
+        end: &TurningMotion,
+        expected: Expected,
+        h: f64,
+    ) -> Option<TurningMotion> {
+        let before = self.motion;
+        let Expected {
+            cross,
+            mut covariance,
+            inverse,
+        } = expected;
+        let inverse = inverse?;
         let weighed = inverse * innovation;
         let seen: SMatrix<f64, STATES, 3> = covariance.fixed_columns::<3>(0).into();
         let update = seen * weighed;
@@ -342,21 +366,36 @@ impl TurningObserver {
             damping_rate,
         };
         let adapted = Self {
-            motion: with(&end, &update),
+            motion: with(end, &update),
             covariance,
         };
         if !adapted.is_sound() {
-            *self = Self::new(from, *measured);
-            return self.motion;
+            return None;
         }
         *self = adapted;
-        with(&before, &smoothing)
+        Some(with(&before, &smoothing))
     }
 
     fn is_sound(&self) -> bool {
         let motion = &self.motion;
         let sum = motion.momentum.sum() + motion.external.sum() + motion.orientation.coords.sum();
         (sum + motion.mobility + motion.damping_rate + self.covariance.sum()).is_finite()
+    }
+}
+
+/// Adds the covariance due to the hand's angular jerk over an interval of `h` `[s]`.
+#[inline]
+fn add_jerk(covariance: &mut Covariance, from: &TurningPrior, end: &TurningMotion, h: f64) {
+    for axis in 0..3 {
+        let own = end.orientation * Vector3::ith(axis, from.prior.angular_jerk);
+        let moment = from.moments[axis];
+        let mut jerk = Column::zeros();
+        jerk.fixed_rows_mut::<3>(0)
+            .copy_from(&(own * (h * h * h / 6.0)));
+        jerk.fixed_rows_mut::<3>(3)
+            .copy_from(&(own * (moment * h * h / 2.0)));
+        jerk.fixed_rows_mut::<3>(6).copy_from(&(own * (moment * h)));
+        *covariance += jerk * jerk.transpose();
     }
 }
 

@@ -138,18 +138,7 @@ impl Moving {
     /// Evaluates the contacts and their loads at the current positions, which were reached by moving for `half` a
     /// sub-step with the current velocities.
     fn meet(&mut self, points: &[Point], half: f64) {
-        for part in &mut self.parts {
-            part.force = Vector3::zeros();
-            part.torque = Vector3::zeros();
-        }
-        for surface in &mut self.surfaces {
-            let [first, second] = surface.parts().map(|number| &self.parts[number].rigid);
-            surface.look(first, second);
-        }
-        for blocks in &mut self.blocks {
-            let [first, second] = blocks.parts.map(|number| &self.parts[number].rigid);
-            blocks.look(first, second, &mut self.touches, points);
-        }
+        self.look_at_shapes(points);
         for &number in self.nearby.numbers() {
             let (touch, point) = (&mut self.touches[number], &points[number]);
             if let Solid::Mesh { surface, point, .. } = point.solid
@@ -179,41 +168,7 @@ impl Moving {
             if touch.is_apart() && moved < touch.clear {
                 continue;
             }
-            let of_sphere = |nearest: Nearest| {
-                let penetration = point.radius - nearest.distance;
-                let below = point.radius - 0.5 * penetration;
-                let centre = point.centre_of(&first.rigid);
-                Met {
-                    penetration,
-                    normal: nearest.normal,
-                    slope: nearest.slope,
-                    place: centre - nearest.normal * below,
-                }
-            };
-            let met = match point.solid {
-                Solid::Mesh { surface, point, .. } => {
-                    let found = self.surfaces[surface].found(point);
-                    of_sphere(found.map_or(Nearest::far(), |found| Nearest {
-                        normal: second.rigid.orientation * found.normal,
-                        ..Nearest::exact(found.distance, found.normal)
-                    }))
-                }
-                Solid::Between { blocks, point, .. } => {
-                    let blocks = &self.blocks[blocks];
-                    let found = blocks.found(point);
-                    Met {
-                        penetration: found.penetration,
-                        normal: blocks.normal(),
-                        slope: 1.0,
-                        place: found.place,
-                    }
-                }
-                _ => {
-                    let centre = point.centre_of(&first.rigid);
-                    let solid = &point.solid;
-                    of_sphere(solid.nearest_within(&second.rigid, &centre, point.radius))
-                }
-            };
+            let met = overlap(point, [first, second], &self.surfaces, &self.blocks);
             if met.penetration > 0.0 {
                 let Met { normal, place, .. } = met;
                 let relative = relative(first, &first.twist, second, &second.twist, &place);
@@ -238,6 +193,23 @@ impl Moving {
         }
     }
 
+    /// Resets the loads of all parts, and evaluates the meshes and the pairs of blocks at the current positions.
+    #[inline]
+    fn look_at_shapes(&mut self, points: &[Point]) {
+        for part in &mut self.parts {
+            part.force = Vector3::zeros();
+            part.torque = Vector3::zeros();
+        }
+        for surface in &mut self.surfaces {
+            let [first, second] = surface.parts().map(|number| &self.parts[number].rigid);
+            surface.look(first, second);
+        }
+        for blocks in &mut self.blocks {
+            let [first, second] = blocks.parts.map(|number| &self.parts[number].rigid);
+            blocks.look(first, second, &mut self.touches, points);
+        }
+    }
+
     /// Computes the power dissipated by contact damping at the current state.
     fn measure(&mut self, points: &[Point]) {
         for &number in self.nearby.numbers() {
@@ -250,6 +222,55 @@ impl Moving {
         }
         for link in &mut self.links {
             link.watch_damping(&self.parts);
+        }
+    }
+}
+
+/// Returns the overlap of a point of the first part with the solid of the second.
+#[inline(always)]
+fn overlap(
+    point: &Point,
+    [first, second]: [&Part; 2],
+    surfaces: &[Surface],
+    blocks: &[Blocks],
+) -> Met {
+    let of_sphere = |nearest: Nearest| {
+        let penetration = point.radius - nearest.distance;
+        let below = point.radius - 0.5 * penetration;
+        let centre = point.centre_of(&first.rigid);
+        Met {
+            penetration,
+            normal: nearest.normal,
+            slope: nearest.slope,
+            place: centre - nearest.normal * below,
+        }
+    };
+    match point.solid {
+        Solid::Mesh { surface, point, .. } => {
+            let found = surfaces[surface].found(point);
+            of_sphere(found.map_or(Nearest::far(), |found| Nearest {
+                normal: second.rigid.orientation * found.normal,
+                ..Nearest::exact(found.distance, found.normal)
+            }))
+        }
+        Solid::Between {
+            blocks: number,
+            point,
+            ..
+        } => {
+            let blocks = &blocks[number];
+            let found = blocks.found(point);
+            Met {
+                penetration: found.penetration,
+                normal: blocks.normal(),
+                slope: 1.0,
+                place: found.place,
+            }
+        }
+        _ => {
+            let centre = point.centre_of(&first.rigid);
+            let solid = &point.solid;
+            of_sphere(solid.nearest_within(&second.rigid, &centre, point.radius))
         }
     }
 }

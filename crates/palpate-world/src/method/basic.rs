@@ -91,7 +91,28 @@ impl Basic {
         elapsed: f64,
     ) -> Effort {
         let points = &renderer.points;
-        for (point, (touch, entry)) in points
+        Self::hold_contacts(renderer, state, positions);
+        state.now.begin();
+        let sub_steps = &renderer.loop_params.sub_steps;
+        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
+        state.ledger.pass(&state.now, points, renderer.tools);
+
+        // The tools are at the current device positions; the energy that this motion adds to the contacts is work of
+        // the tools.
+        for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
+            Self::move_tool(renderer, state, tool, &Vector3::from(*position), elapsed);
+        }
+        state.now.begin();
+        state.now.look(points);
+        Self::account_contacts(renderer, state);
+        effort
+    }
+
+    /// Adds the work of the held contact forces on the motion of the tools.
+    #[inline]
+    fn hold_contacts(renderer: &WorldRenderer, state: &mut Progress, positions: &[Vector]) {
+        for (point, (touch, entry)) in renderer
+            .points
             .iter()
             .zip(state.now.touches.iter().zip(&mut state.ledger.contacts))
         {
@@ -116,47 +137,58 @@ impl Basic {
                 state.ledger.devices[tool].held += work;
             }
         }
-        state.now.begin();
-        let sub_steps = &renderer.loop_params.sub_steps;
-        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
-        state.ledger.pass(&state.now, points, renderer.tools);
+    }
 
-        // The tools are at the current device positions; the energy that this motion adds to the contacts is work of
-        // the tools.
-        for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
-            let held = state.commands.passed(tool).sent;
-            let torque = state.torque_commands.passed_or_none(tool);
-            let turned = state.tracking.seen_turn[tool];
-            let part = &mut state.now.parts[tool];
-            let way = Vector3::from(*position) - part.rigid.position;
-            let turn = turned * part.rigid.orientation.inverse();
-            let by = step(&turned, &part.rigid.orientation);
-            let before = part.rigid.position;
-            part.rigid.position += way;
-            part.rigid.orientation = turned;
-            part.rigid.spin = Vector3::zeros();
-            part.drive.apparent_velocity = way / elapsed;
-            part.turning_drive.apparent_turning = by / elapsed;
-            let has_torque = part.has_torque;
-            for (point, touch) in points.iter().zip(&mut state.now.touches) {
-                if let Some(sign) = point.sign_on(tool)
-                    && !touch.is_apart()
-                {
-                    let mut way = way;
-                    if has_torque {
-                        let arm = touch.place - before;
-                        way += turn * arm - arm;
-                    }
-                    touch.slid += (way - touch.normal * touch.normal.dot(&way)) * sign;
+    /// Moves a tool to its device at `position` `[m]`, and adds the work at its port.
+    #[inline]
+    fn move_tool(
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        tool: usize,
+        position: &Vector3,
+        elapsed: f64,
+    ) {
+        let held = state.commands.passed(tool).sent;
+        let torque = state.torque_commands.passed_or_none(tool);
+        let turned = state.tracking.seen_turn[tool];
+        let part = &mut state.now.parts[tool];
+        let way = position - part.rigid.position;
+        let turn = turned * part.rigid.orientation.inverse();
+        let by = step(&turned, &part.rigid.orientation);
+        let before = part.rigid.position;
+        part.rigid.position += way;
+        part.rigid.orientation = turned;
+        part.rigid.spin = Vector3::zeros();
+        part.drive.apparent_velocity = way / elapsed;
+        part.turning_drive.apparent_turning = by / elapsed;
+        let has_torque = part.has_torque;
+        for (point, touch) in renderer.points.iter().zip(&mut state.now.touches) {
+            if let Some(sign) = point.sign_on(tool)
+                && !touch.is_apart()
+            {
+                let mut way = way;
+                if has_torque {
+                    let arm = touch.place - before;
+                    way += turn * arm - arm;
                 }
+                touch.slid += (way - touch.normal * touch.normal.dot(&way)) * sign;
             }
-            let entry = &mut state.ledger.devices[tool];
-            entry.port_work += held.dot(&way) + torque.dot(&by);
-            entry.unforeseen = entry.port_work + entry.carried - entry.held;
         }
-        state.now.begin();
-        state.now.look(points);
-        for (number, (entry, point)) in state.ledger.contacts.iter_mut().zip(points).enumerate() {
+        let entry = &mut state.ledger.devices[tool];
+        entry.port_work += held.dot(&way) + torque.dot(&by);
+        entry.unforeseen = entry.port_work + entry.carried - entry.held;
+    }
+
+    /// Adds the energy that the motion of the tools has given to their contacts.
+    #[inline]
+    fn account_contacts(renderer: &WorldRenderer, state: &mut Progress) {
+        for (number, (entry, point)) in state
+            .ledger
+            .contacts
+            .iter_mut()
+            .zip(&renderer.points)
+            .enumerate()
+        {
             if point.tool(renderer.tools).is_some() {
                 let stored = state.now.stored(number, point);
                 let dissipated = state.now.touches[number].past.dissipated;
@@ -167,7 +199,6 @@ impl Basic {
                 entry.stored = stored;
             }
         }
-        effort
     }
 
     pub fn plan(&self, renderer: &WorldRenderer, state: &mut Progress) -> Effort {

@@ -1,6 +1,6 @@
 //! Coupled rendering: predicts devices and world together, and holds the mean contact force.
 
-use super::coupled_ledger::Moved;
+use super::coupled_ledger::{Moved, ToolInterval, Turned};
 use super::coupled_motions::Motions;
 use super::coupled_proxy::ProxyState;
 use super::coupled_turning::Turning;
@@ -176,6 +176,37 @@ impl Coupled {
     ) -> Effort {
         let (points, tools) = (&renderer.points, renderer.tools);
         memory.periods = [memory.periods[1], memory.periods[2], elapsed];
+        self.observe(state, memory, positions, elapsed);
+        // Integrate the interval again from its start, with the updated device estimates.
+        exchange_gathered(&mut state.now, &mut state.ahead);
+        state.now.look(points);
+        self.carry(&mut state.now, &memory.devices, elapsed);
+        state.ledger.observe(&state.now, points);
+        state.now.begin();
+        let sub_steps = &renderer.loop_params.sub_steps;
+        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
+        state.ledger.pass(&state.now, points, tools);
+        for (tool, device) in memory.devices.iter_mut().enumerate() {
+            let position = Vector3::from(positions[tool]);
+            self.conclude_tool(renderer, state, device, (tool, position), elapsed);
+            self.return_proxy(state, device, tool, elapsed);
+            limited.offset |= self.limit_offset(&mut device.proxy);
+            if let Some((turning, _)) = &mut device.turning {
+                limited.offset |= turning.limit_offset(self.turn_limit);
+            }
+        }
+        effort
+    }
+
+    /// Updates the estimates of the devices with a sample, and places the proxies at the start of its interval.
+    #[inline]
+    fn observe(
+        &self,
+        state: &mut Progress,
+        memory: &mut CoupledMemory,
+        positions: &[Vector],
+        elapsed: f64,
+    ) {
         for (tool, (device, priors)) in memory.devices.iter_mut().zip(&self.priors).enumerate() {
             let axes = &self.axes[tool];
             let moved = axes.own(&(Vector3::from(positions[tool]) - device.measured));
@@ -208,123 +239,101 @@ impl Coupled {
                 turning.place(&mut state.now.parts[tool], prior);
             }
         }
-        // Integrate the interval again from its start, with the updated device estimates.
-        exchange_gathered(&mut state.now, &mut state.ahead);
-        state.now.look(points);
-        self.carry(&mut state.now, &memory.devices, elapsed);
-        state.ledger.observe(&state.now, points);
-        state.now.begin();
-        let sub_steps = &renderer.loop_params.sub_steps;
-        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
-        state.ledger.pass(&state.now, points, tools);
-        for (tool, device) in memory.devices.iter_mut().enumerate() {
-            let acted = state.commands.passed(tool);
-            let Impulse {
-                linear: impulse,
-                angular: angular_impulse,
-                work,
-                touched,
-            } = impulse_on(&state.now, renderer, tool);
-            let start = device.ahead;
-            // The force removed by a limit is not compensated: the proxy is computed relative to the device under the
-            // unlimited force.
-            let end = start.under(&acted, elapsed);
-            let part = &state.now.parts[tool];
-            let axes = self.axes[tool];
-            let mut proxy = against(&part.rigid, &device.measured, &end);
-            // Along constrained axes the two differ only by rounding.
-            proxy.offset = axes.along(&proxy.offset);
-            proxy.velocity_offset = axes.along(&proxy.velocity_offset);
+    }
 
-            let way = end.of(|axis| axis.offset) - start.of(|axis| axis.offset);
-            let mean = impulse / elapsed;
-            let mean_torque = angular_impulse / elapsed;
-            let turned = device.turning.as_mut().map(|(turning, prior)| {
-                let acted = state.torque_commands.passed(tool);
-                let measured = state.tracking.seen_turn[tool];
-                let by = (measured * turning.measured.inverse()).scaled_axis();
-                let work = turning.conclude(prior, part, &acted, &measured, elapsed);
-                (work, acted, by)
-            });
-            let path = turned
-                .as_ref()
-                .map_or(Vector3::zeros(), |(work, ..)| work.path);
-            // Work that rotated the proxy: by contacts and drive, or by the hand against the contacts.
-            let mut to_turn = turned
-                .as_ref()
-                .map_or(0.0, |(work, ..)| work.by_proxy - part.turning_error);
-            let entry = &mut state.ledger.devices[tool];
-            entry.carried += axes.across(&mean).dot(&way);
-            for (point, (touch, contact)) in points
-                .iter()
-                .zip(state.now.touches.iter().zip(&mut state.ledger.contacts))
-            {
-                if let Some(sign) = point.sign_on(tool) {
-                    let past = &touch.past;
-                    let impulse = past.impulse.dot(&way) * sign;
-                    let held = if part.led {
-                        // The hand rotates the tool against the contact force itself, not against its mean.
-                        entry.carried += past.work_on_led_turn;
-                        to_turn += past.work_on_led_turn;
-                        impulse / elapsed + past.work_on_led_turn
-                    } else {
-                        (impulse + past.angular_impulse.dot(&path)) / elapsed
-                    };
-                    contact.held += held;
-                    entry.held += held;
-                }
-            }
-            let moved = Vector3::from(positions[tool]) - device.measured;
-            entry.port_work += acted.sent.dot(&moved);
-            if let Some((work, acted, by)) = &turned {
-                entry.port_work += acted.sent.dot(by);
-                entry.offset += part.turning_error - work.by_hand;
-                entry.velocity_offset += work.gained_more;
-                if !part.led {
-                    entry.unpaid += (mean_torque - acted.intended).dot(&work.path);
-                }
-            }
-            entry.unforeseen = entry.port_work + entry.carried - entry.held;
-            let motion = Moved {
-                device: [&start, &end],
-                proxy: [&device.proxy, &proxy],
-                measured: &device.measured,
-            };
-            let gained = match &self.linkages[tool] {
-                None => motion.gained(part.driven),
-                Some(linkage) => motion.gained_by(linkage, work - to_turn),
-            };
-            entry.offset += gained.driven - (gained.device - acted.intended.dot(&way));
-            entry.velocity_offset += gained.more;
-            entry.unpaid += axes.along(&(mean - acted.intended)).dot(&way);
+    /// Updates a tool's proxy and energy ledger after an interval that ended with its device at `position` `[m]`.
+    #[inline]
+    fn conclude_tool(
+        &self,
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        device: &mut TrackedDevice,
+        (tool, position): (usize, Vector3),
+        elapsed: f64,
+    ) {
+        let acted = state.commands.passed(tool);
+        let Impulse {
+            linear: impulse,
+            angular: angular_impulse,
+            work,
+            touched,
+        } = impulse_on(&state.now, renderer, tool);
+        let start = device.ahead;
+        // The force removed by a limit is not compensated: the proxy is computed relative to the device under the
+        // unlimited force.
+        let end = start.under(&acted, elapsed);
+        let part = &state.now.parts[tool];
+        let axes = self.axes[tool];
+        let mut proxy = against(&part.rigid, &device.measured, &end);
+        // Along constrained axes the two differ only by rounding.
+        proxy.offset = axes.along(&proxy.offset);
+        proxy.velocity_offset = axes.along(&proxy.velocity_offset);
 
-            device.proxy = proxy;
-            device.measured = Vector3::from(positions[tool]);
-            device.touched = touched;
-            // A residual impulse may still be in the actuation delay.
-            let is_expected =
-                state.commands.is_expected(tool) || state.torque_commands.is_expected(tool);
-            let is_free = !touched && !is_expected;
-            let external = start.of(|axis| axis.external);
-            let back = if is_free {
-                self.walk_back(&mut device.proxy, elapsed)
-            } else {
-                self.walk_back_in_contact(&mut device.proxy, elapsed)
-            };
-            let entry = &mut state.ledger.devices[tool];
-            entry.walked_back += start.weighted(&external, &back);
-            if is_free && let Some((turning, _)) = &mut device.turning {
-                let kept = 1.0 - (elapsed / self.velocity_return).min(1.0);
-                let torque = turning.now().external / turning.now().mobility;
-                let back = turning.walk_back(self.turn_return * elapsed, kept);
-                entry.walked_back += torque.dot(&back);
-            }
-            limited.offset |= self.limit_offset(&mut device.proxy);
-            if let Some((turning, _)) = &mut device.turning {
-                limited.offset |= turning.limit_offset(self.turn_limit);
-            }
+        let way = end.of(|axis| axis.offset) - start.of(|axis| axis.offset);
+        let mean = impulse / elapsed;
+        let mean_torque = angular_impulse / elapsed;
+        let turned = device.turning.as_mut().map(|(turning, prior)| {
+            let acted = state.torque_commands.passed(tool);
+            let measured = state.tracking.seen_turn[tool];
+            let by = (measured * turning.measured.inverse()).scaled_axis();
+            let work = turning.conclude(prior, part, &acted, &measured, elapsed);
+            Turned { work, acted, by }
+        });
+        let interval = ToolInterval {
+            tool,
+            axes,
+            part,
+            acted,
+            way,
+            moved: position - device.measured,
+            mean,
+            mean_torque,
+            turned,
+            elapsed,
+        };
+        let to_turn = interval.hold(&renderer.points, &state.now.touches, &mut state.ledger);
+        let motion = Moved {
+            device: [&start, &end],
+            proxy: [&device.proxy, &proxy],
+            measured: &device.measured,
+        };
+        let linkage = self.linkages[tool].as_ref();
+        let entry = &mut state.ledger.devices[tool];
+        interval.account(entry, &motion, linkage, work - to_turn);
+
+        device.proxy = proxy;
+        device.measured = position;
+        device.touched = touched;
+    }
+
+    /// Decays the offsets of a tool's proxy over an interval of `elapsed` `[s]`.
+    #[inline]
+    fn return_proxy(
+        &self,
+        state: &mut Progress,
+        device: &mut TrackedDevice,
+        tool: usize,
+        elapsed: f64,
+    ) {
+        // A residual impulse may still be in the actuation delay.
+        let is_expected =
+            state.commands.is_expected(tool) || state.torque_commands.is_expected(tool);
+        let is_free = !device.touched && !is_expected;
+        let start = &device.ahead;
+        let external = start.of(|axis| axis.external);
+        let back = if is_free {
+            self.walk_back(&mut device.proxy, elapsed)
+        } else {
+            self.walk_back_in_contact(&mut device.proxy, elapsed)
+        };
+        let entry = &mut state.ledger.devices[tool];
+        entry.walked_back += start.weighted(&external, &back);
+        if is_free && let Some((turning, _)) = &mut device.turning {
+            let kept = 1.0 - (elapsed / self.velocity_return).min(1.0);
+            let torque = turning.now().external / turning.now().mobility;
+            let back = turning.walk_back(self.turn_return * elapsed, kept);
+            entry.walked_back += torque.dot(&back);
         }
-        effort
     }
 
     pub fn plan(
@@ -338,22 +347,7 @@ impl Coupled {
         let pieces = state.commands.look_ahead(period);
         state.torque_commands.look_ahead(period);
         let mut effort = Effort::default();
-        state.ahead.copy_from(&state.now);
-        exchange_gathered(&mut state.ahead, &mut state.now);
-        for (tool, device) in memory.devices.iter_mut().enumerate() {
-            device.ahead = device.seen();
-            place(
-                &mut state.ahead,
-                tool,
-                &device.measured,
-                &device.ahead,
-                &device.proxy,
-            );
-            if let Some((turning, prior)) = &mut device.turning {
-                turning.ahead = *turning.now();
-                turning.place(&mut state.ahead.parts[tool], prior);
-            }
-        }
+        begin_prediction(state, memory);
         state.ahead.look(points);
         show_contacts(&mut state.contacts, &state.ahead);
         let sub_steps = &renderer.loop_params.sub_steps;
@@ -369,27 +363,52 @@ impl Coupled {
                 duration,
             );
             effort = effort.and(passed);
-            for (tool, device) in memory.devices.iter_mut().enumerate() {
-                // The proxy continues from its current state. The device moves under the forces in the actuation
-                // delay.
-                let coming = state.commands.coming(tool, piece);
-                if let Some(linkage) = &self.linkages[tool] {
-                    let (measured, force) = (device.measured, &coming.intended);
-                    device.ahead.pass(linkage, &measured, force, duration);
-                }
-                device.ahead = device.ahead.under(&coming, duration);
-                state.ahead.parts[tool].drive = device.ahead.drive();
-                if let Some((turning, prior)) = &mut device.turning {
-                    let coming = state.torque_commands.coming(tool, piece);
-                    turning.resume(prior, &coming, duration);
-                    turning.drive(&mut state.ahead.parts[tool]);
-                }
-            }
+            self.pass_piece(state, memory, piece, duration);
         }
         self.carry(&mut state.ahead, &memory.devices, period);
         state.ahead.begin();
         let passed = advance(&mut state.ahead, &mut state.room, points, sub_steps, period);
         effort = effort.and(passed);
+        self.command(renderer, state, memory, period);
+        effort
+    }
+
+    /// Advances the predicted devices over a piece of `duration` `[s]` under the forces in the actuation delay.
+    #[inline]
+    fn pass_piece(
+        &self,
+        state: &mut Progress,
+        memory: &mut CoupledMemory,
+        piece: usize,
+        duration: f64,
+    ) {
+        for (tool, device) in memory.devices.iter_mut().enumerate() {
+            // The proxy continues from its current state. The device moves under the forces in the actuation
+            // delay.
+            let coming = state.commands.coming(tool, piece);
+            if let Some(linkage) = &self.linkages[tool] {
+                let (measured, force) = (device.measured, &coming.intended);
+                device.ahead.pass(linkage, &measured, force, duration);
+            }
+            device.ahead = device.ahead.under(&coming, duration);
+            state.ahead.parts[tool].drive = device.ahead.drive();
+            if let Some((turning, prior)) = &mut device.turning {
+                let coming = state.torque_commands.coming(tool, piece);
+                turning.resume(prior, &coming, duration);
+                turning.drive(&mut state.ahead.parts[tool]);
+            }
+        }
+    }
+
+    /// Commands the forces and torques for the mean contact forces predicted over the next interval of `period` `[s]`.
+    #[inline]
+    fn command(
+        &self,
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        memory: &CoupledMemory,
+        period: f64,
+    ) {
         for (tool, (device, intended)) in memory.devices.iter().zip(&mut state.intended).enumerate()
         {
             let Impulse {
@@ -428,7 +447,27 @@ impl Coupled {
             let mean = impulse / period + device.ahead.axes.out(&residual);
             *intended = state.commands.command(tool, &mean, period);
         }
-        effort
+    }
+}
+
+/// Begins the prediction from the estimated devices at the sample.
+#[inline]
+fn begin_prediction(state: &mut Progress, memory: &mut CoupledMemory) {
+    state.ahead.copy_from(&state.now);
+    exchange_gathered(&mut state.ahead, &mut state.now);
+    for (tool, device) in memory.devices.iter_mut().enumerate() {
+        device.ahead = device.seen();
+        place(
+            &mut state.ahead,
+            tool,
+            &device.measured,
+            &device.ahead,
+            &device.proxy,
+        );
+        if let Some((turning, prior)) = &mut device.turning {
+            turning.ahead = *turning.now();
+            turning.place(&mut state.ahead.parts[tool], prior);
+        }
     }
 }
 

@@ -2,7 +2,14 @@
 
 use super::coupled_motions::Motions;
 use super::coupled_proxy::ProxyState;
+use super::coupled_turning::TurningWork;
+use crate::contact::pairs::Point;
+use crate::contact::point::Touch;
+use crate::device::commands::Acting;
+use crate::dynamics::ledger::{DeviceLedger, EnergyLedger};
 use crate::dynamics::linkage::Linkage;
+use crate::dynamics::moving_body::Part;
+use crate::geometry::axes::Axes;
 use crate::geometry::rigid::Vector3;
 
 /// States of a device and its proxy at the beginning and the end of an interval.
@@ -60,5 +67,102 @@ impl Moved<'_> {
             device,
             more: proxy - device,
         }
+    }
+}
+
+/// Motion of a tool and its device over an interval that has ended.
+pub(super) struct ToolInterval<'a> {
+    pub tool: usize,
+    pub axes: Axes,
+    /// Proxy at the end of the interval.
+    pub part: &'a Part,
+    /// Force on the device.
+    pub acted: Acting,
+    /// Displacement of the estimated device `[m]`.
+    pub way: Vector3,
+    /// Measured displacement of the device `[m]`.
+    pub moved: Vector3,
+    /// Mean contact force `[N]`.
+    pub mean: Vector3,
+    /// Mean contact torque about the mass centre `[N m]`.
+    pub mean_torque: Vector3,
+    /// Rotation of a tool that turns.
+    pub turned: Option<Turned>,
+    /// Duration `[s]`.
+    pub elapsed: f64,
+}
+
+/// Rotation of a tool over an interval that has ended.
+pub(super) struct Turned {
+    pub work: TurningWork,
+    /// Torque on the device.
+    pub acted: Acting,
+    /// Measured rotation vector `[rad]`.
+    pub by: Vector3,
+}
+
+impl ToolInterval<'_> {
+    /// Adds the work of the contacts' mean force on the device. Returns the work that rotated the proxy `[J]`.
+    #[inline]
+    pub fn hold(&self, points: &[Point], touches: &[Touch], ledger: &mut EnergyLedger) -> f64 {
+        let Self {
+            tool, part, way, ..
+        } = self;
+        let (tool, elapsed) = (*tool, self.elapsed);
+        let turned = self.turned.as_ref();
+        let path = turned.map_or(Vector3::zeros(), |turned| turned.work.path);
+        // Work that rotated the proxy: by contacts and drive, or by the hand against the contacts.
+        let mut to_turn = turned.map_or(0.0, |turned| turned.work.by_proxy - part.turning_error);
+        let entry = &mut ledger.devices[tool];
+        entry.carried += self.axes.across(&self.mean).dot(way);
+        for (point, (touch, contact)) in points.iter().zip(touches.iter().zip(&mut ledger.contacts))
+        {
+            if let Some(sign) = point.sign_on(tool) {
+                let past = &touch.past;
+                let impulse = past.impulse.dot(way) * sign;
+                let held = if part.led {
+                    // The hand rotates the tool against the contact force itself, not against its mean.
+                    entry.carried += past.work_on_led_turn;
+                    to_turn += past.work_on_led_turn;
+                    impulse / elapsed + past.work_on_led_turn
+                } else {
+                    (impulse + past.angular_impulse.dot(&path)) / elapsed
+                };
+                contact.held += held;
+                entry.held += held;
+            }
+        }
+        to_turn
+    }
+
+    /// Adds the work at the port and the energies gained; `work` is that of the contacts without rotation `[J]`.
+    #[inline]
+    pub fn account(
+        &self,
+        entry: &mut DeviceLedger,
+        motion: &Moved<'_>,
+        linkage: Option<&Linkage>,
+        work: f64,
+    ) {
+        let Self {
+            part, acted, way, ..
+        } = self;
+        entry.port_work += acted.sent.dot(&self.moved);
+        if let Some(Turned { work, acted, by }) = &self.turned {
+            entry.port_work += acted.sent.dot(by);
+            entry.offset += part.turning_error - work.by_hand;
+            entry.velocity_offset += work.gained_more;
+            if !part.led {
+                entry.unpaid += (self.mean_torque - acted.intended).dot(&work.path);
+            }
+        }
+        entry.unforeseen = entry.port_work + entry.carried - entry.held;
+        let gained = match linkage {
+            None => motion.gained(part.driven),
+            Some(linkage) => motion.gained_by(linkage, work),
+        };
+        entry.offset += gained.driven - (gained.device - acted.intended.dot(way));
+        entry.velocity_offset += gained.more;
+        entry.unpaid += self.axes.along(&(self.mean - acted.intended)).dot(way);
     }
 }

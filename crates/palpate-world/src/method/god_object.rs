@@ -252,18 +252,7 @@ impl GodObject {
         let Coupling { stiffness, damping } = self.couplings[tool];
         let before = state.now.parts[tool].rigid.position;
         let device = memory.devices[tool];
-        // Friction anchor: the mean of the positions to which the contacts have carried the proxy.
-        let (mut anchor, mut all) = (Vector3::zeros(), 0.0);
-        for (point, held) in points.iter().zip(&memory.anchors) {
-            if let Some((place, share)) = held
-                && point.first == tool
-            {
-                let body = &state.now.parts[point.second].rigid;
-                anchor += (body.position + body.orientation * place) * *share;
-                all += share;
-            }
-        }
-        let anchor = (all > 0.0).then(|| anchor / all);
+        let anchor = friction_anchor(points, state, memory, tool);
         let start = anchor.unwrap_or(before);
         let parts = &mut state.now;
         let proxy = nearest_allowed(
@@ -292,6 +281,83 @@ impl GodObject {
             (step / elapsed - device.velocity) * damping
         });
         state.now.parts[tool].rigid.position = place;
+        let pressed = Pressed {
+            tool,
+            place,
+            step,
+            stays,
+            slipped,
+            holds,
+            normals,
+            stiffness,
+            damper,
+        };
+        memory.devices[tool].force = pressed.hold_contacts(points, state, memory);
+    }
+}
+
+/// Returns the friction anchor of a tool: the mean of the positions to which its contacts have carried the proxy `[m]`.
+#[inline]
+fn friction_anchor(
+    points: &[Point],
+    state: &Progress,
+    memory: &GodObjectMemory,
+    tool: usize,
+) -> Option<Vector3> {
+    let (mut anchor, mut all) = (Vector3::zeros(), 0.0);
+    for (point, held) in points.iter().zip(&memory.anchors) {
+        if let Some((place, share)) = held
+            && point.first == tool
+        {
+            let body = &state.now.parts[point.second].rigid;
+            anchor += (body.position + body.orientation * place) * *share;
+            all += share;
+        }
+    }
+    (all > 0.0).then(|| anchor / all)
+}
+
+/// A tool's proxy at a sample, pressed against its contacts.
+struct Pressed {
+    tool: usize,
+    /// Position of the proxy `[m]`.
+    place: Vector3,
+    /// Displacement of the proxy since the last sample `[m]`.
+    step: Vector3,
+    /// Displacement of the proxy from the nearest allowed position `[m]`.
+    stays: Vector3,
+    /// Slip `[m]`.
+    slipped: f64,
+    /// Displacement up to which friction holds the proxy `[m]`.
+    holds: f64,
+    /// Sum of the pushes of all constraints `[m]`.
+    normals: f64,
+    /// Stiffness of the spring `[N/m]`.
+    stiffness: f64,
+    /// Force of the damper `[N]`.
+    damper: Vector3,
+}
+
+impl Pressed {
+    /// Sets the forces that the contacts hold until the next sample, and adds their energies. Returns their sum `[N]`.
+    #[inline]
+    fn hold_contacts(
+        &self,
+        points: &[Point],
+        state: &mut Progress,
+        memory: &mut GodObjectMemory,
+    ) -> Vector3 {
+        let &Self {
+            tool,
+            place,
+            step,
+            stays,
+            slipped,
+            holds,
+            normals,
+            stiffness,
+            damper,
+        } = self;
         let mut sum = Vector3::zeros();
         for (number, point) in points.iter().enumerate() {
             if point.first != tool {
@@ -336,7 +402,7 @@ impl GodObject {
             let share = if holds > 0.0 { part } else { constraint.push };
             memory.anchors[number] = (share > 0.0).then_some((own, share));
         }
-        memory.devices[tool].force = sum;
+        sum
     }
 }
 

@@ -40,7 +40,7 @@ const WALL_OFFSET_MOST: f64 = 16.0;
 
 /// Motion over one interval: the drive of the relative motion, and its course.
 pub(super) struct Interval<S> {
-    start: Relative<S>,
+    pub start: Relative<S>,
     drive: Drive<S>,
     /// Rate of the drive's acceleration `[m/s^3]`.
     ramp: S,
@@ -49,7 +49,8 @@ pub(super) struct Interval<S> {
     sway: Sway<S>,
     /// Whether the contact had its largest force in a part of the interval.
     pub is_saturated: bool,
-    duration: S,
+    /// Duration `[s]`.
+    pub duration: S,
 }
 
 impl<S: Scalar> Coupled<S> {
@@ -163,7 +164,6 @@ impl<S: Scalar> Coupled<S> {
             drive,
             ramp,
             course,
-            sway,
             duration: h,
             ..
         } = interval;
@@ -189,39 +189,7 @@ impl<S: Scalar> Coupled<S> {
             S::ZERO
         };
         if self.object_mobility == S::ZERO {
-            let gives_way = self.placement && device.mobility > S::ZERO;
-            let back = (h / S::from_f64(WALL_RETURN)).min(S::from_f64(WALL_RETURN_MOST));
-            let was_limited = interval.is_saturated || proxy.was_limited;
-            let wall_offset = if course.impulse > S::ZERO && gives_way {
-                let most = S::from_f64(WALL_OFFSET_MOST) * device.mobility * course.impulse * h;
-                let most = most.max(proxy.wall_offset.abs());
-                (S::ONE - back) * (proxy.wall_offset + placed).within(most)
-            } else if was_limited && proxy.wall_offset < S::ZERO {
-                // A wall that goes back at once is farther away from the device: the hand's work over this distance is
-                // generated energy. Without a limit it averages out over the collisions; with one, a device in a hand
-                // that presses can keep bouncing at one phase of the samples.
-                (S::ONE - back) * proxy.wall_offset
-            } else {
-                // The offset is kept while the wall stays free.
-                let apart = self.flexure.map_or(S::ZERO, |it| it.behind(sway));
-                (proxy.wall_offset + course.end.penetration - apart)
-                    .max(S::ZERO)
-                    .min(proxy.wall_offset.max(S::ZERO))
-            };
-            let by = wall_offset - proxy.wall_offset;
-            return Moved {
-                object: Displacement {
-                    by,
-                    velocity: S::ZERO,
-                },
-                shift: by,
-                proxy: ProxyState {
-                    wall_offset,
-                    speed,
-                    sway: *sway,
-                    was_limited: was_limited && wall_offset != S::ZERO,
-                },
-            };
+            return self.wall_moved(interval, device, proxy, placed, speed);
         }
         // Motion by the object's own momentum.
         let own = (object_velocity + S::HALF * alpha * h) * h + moment_times(self.object_mobility);
@@ -231,8 +199,61 @@ impl<S: Scalar> Coupled<S> {
             shift: by - own,
             proxy: ProxyState {
                 speed,
-                sway: *sway,
+                sway: interval.sway,
                 ..ProxyState::default()
+            },
+        }
+    }
+
+    /// Computes the same for a wall: its offset after the interval, if placement would displace it by `placed` `[m]`
+    /// and the proxy is faster than the device by `speed` `[m/s]`.
+    #[inline(always)]
+    fn wall_moved(
+        &self,
+        interval: &Interval<S>,
+        device: &EstimatedMotion<S>,
+        proxy: &ProxyState<S>,
+        placed: S,
+        speed: S,
+    ) -> Moved<S> {
+        let Interval {
+            course,
+            sway,
+            duration: h,
+            ..
+        } = interval;
+        let h = *h;
+        let gives_way = self.placement && device.mobility > S::ZERO;
+        let back = (h / S::from_f64(WALL_RETURN)).min(S::from_f64(WALL_RETURN_MOST));
+        let was_limited = interval.is_saturated || proxy.was_limited;
+        let wall_offset = if course.impulse > S::ZERO && gives_way {
+            let most = S::from_f64(WALL_OFFSET_MOST) * device.mobility * course.impulse * h;
+            let most = most.max(proxy.wall_offset.abs());
+            (S::ONE - back) * (proxy.wall_offset + placed).within(most)
+        } else if was_limited && proxy.wall_offset < S::ZERO {
+            // A wall that goes back at once is farther away from the device: the hand's work over this distance is
+            // generated energy. Without a limit it averages out over the collisions; with one, a device in a hand
+            // that presses can keep bouncing at one phase of the samples.
+            (S::ONE - back) * proxy.wall_offset
+        } else {
+            // The offset is kept while the wall stays free.
+            let apart = self.flexure.map_or(S::ZERO, |it| it.behind(sway));
+            (proxy.wall_offset + course.end.penetration - apart)
+                .max(S::ZERO)
+                .min(proxy.wall_offset.max(S::ZERO))
+        };
+        let by = wall_offset - proxy.wall_offset;
+        Moved {
+            object: Displacement {
+                by,
+                velocity: S::ZERO,
+            },
+            shift: by,
+            proxy: ProxyState {
+                wall_offset,
+                speed,
+                sway: *sway,
+                was_limited: was_limited && wall_offset != S::ZERO,
             },
         }
     }

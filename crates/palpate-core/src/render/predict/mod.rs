@@ -10,7 +10,7 @@ mod steps;
 mod transmission;
 
 pub(crate) use lateness::Lateness;
-pub(crate) use observer::{EstimatedMotion, Measurement, Observer, ObserverParams};
+pub(crate) use observer::{EstimatedMotion, Measurement, Observer, ObserverParams, Update};
 pub(crate) use placed::Placed;
 pub(crate) use prediction::{LONGEST_WINDOW_SETTING, PREDICTION, Predictor};
 pub use prediction::{Prediction, PredictionMemory, PredictionName};

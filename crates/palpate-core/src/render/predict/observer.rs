@@ -25,7 +25,7 @@
 //!   a_u; the variance of theta then stays constant, for hours. A sample far from the expected one widens the variance
 //!   of theta: a hand may have grabbed the device.
 
-use super::covariance::{Covariance, DAMPING_RATE, MOBILITY, PARTS, VELOCITY};
+use super::covariance::{Covariance, DAMPING_RATE, ExpectedInnovation, MOBILITY, PARTS, VELOCITY};
 use crate::Scalar;
 use crate::actuator::Held;
 use crate::contact::Mass;
@@ -119,6 +119,56 @@ impl<S: Scalar> EstimatedMotion<S> {
     pub fn ramp(&self, force: S) -> S {
         self.damping_rate * (self.mobility * force - self.external)
     }
+
+    /// Returns the transition of the state to position, velocity and external acceleration at the end of an interval
+    /// under the force `held` on the object. `jerk`: effect of a unit of jerk on these three.
+    #[inline(always)]
+    fn transition(&self, held: &Held<S>, jerk: [S; 3]) -> [[S; PARTS]; 3] {
+        let f = held.mean;
+        let [sixth, half, h] = jerk;
+        // Factors of a_u, theta and lambda in the ramp.
+        let by_a = -self.damping_rate;
+        let by_theta = self.damping_rate * f;
+        let by_lambda = self.mobility * f - self.external;
+        let (o, l) = (S::ZERO, S::ONE);
+        [
+            [
+                l,
+                h,
+                half + sixth * by_a,
+                sixth * by_theta - half * f - held.lead,
+                sixth * by_lambda,
+            ],
+            [
+                o,
+                l,
+                h + half * by_a,
+                half * by_theta - h * f,
+                half * by_lambda,
+            ],
+            [o, o, l + h * by_a, h * by_theta, h * by_lambda],
+        ]
+    }
+
+    /// Returns theta and lambda after an innovation `[m]`, each within its limits. `gain`: change of the state per unit
+    /// of innovation.
+    #[inline(always)]
+    fn mobility_and_damping(
+        &self,
+        params: &ObserverParams<S>,
+        gain: &[S; PARTS],
+        innovation: S,
+    ) -> (S, S) {
+        let model = params.mobility;
+        let mobility = within(
+            self.mobility + gain[3] * innovation,
+            model / S::from_f64(HEAVIEST),
+            model / S::from_f64(LIGHTEST),
+        );
+        let most = S::from_f64(MAX_DAMPING_RATE);
+        let damping_rate = within(self.damping_rate + gain[4] * innovation, -most, most);
+        (mobility, damping_rate)
+    }
 }
 
 /// Result of a measurement update.
@@ -202,6 +252,56 @@ fn part_kicked<S: Scalar>(kicked: S, speed: S) -> S {
     }
 }
 
+/// Returns the expected innovation of a sample, and whether the squared innovation `square` `[m^2]` is outside the
+/// model. In that case widens the variance of the velocity first. `first` and `unseen`: see
+/// [`Covariance::expected_innovation`]. `h`: duration of the interval `[s]`.
+#[inline(always)]
+fn explain_innovation<S: Scalar>(
+    covariance: &mut Covariance<S>,
+    first: &[S; PARTS],
+    unseen: S,
+    square: S,
+    h: S,
+) -> (ExpectedInnovation<S>, bool) {
+    let mut expected = covariance.expected_innovation(first, unseen);
+    let surprised = square > S::from_f64(SURPRISE) * expected.variance;
+    if surprised {
+        // Outside the model: the device was kicked or grabbed. Assume the kick at the beginning of the interval, so
+        // that the velocity is that of the last step.
+        let kick = square / S::from_f64(EXPLAINED) - expected.variance;
+        covariance.widen(VELOCITY, kick / (h * h));
+        expected = covariance.expected_innovation(first, unseen);
+    }
+    (expected, surprised)
+}
+
+/// Raises the variance of theta to the square of `deviation` `[1/kg]`, if it is lower.
+#[inline(always)]
+fn widen_mobility<S: Scalar>(covariance: &mut Covariance<S>, deviation: S) {
+    let u = covariance.upper[MOBILITY][DAMPING_RATE - 1];
+    let has = covariance.diagonal[MOBILITY] + u * u * covariance.diagonal[DAMPING_RATE];
+    covariance.widen(MOBILITY, deviation * deviation - has);
+}
+
+/// Returns the next variance of the jerk `[m^2/s^6]` from the present one, `q`, and the squared innovation divided by
+/// its expected variance.
+#[inline(always)]
+fn adapted_jerk_variance<S: Scalar>(params: &ObserverParams<S>, q: S, ratio: S) -> S {
+    let ratio = ratio.min(S::from_f64(JERK_CAP));
+    let factor = (S::from_f64(JERK_GAIN) * (ratio - S::ONE)).exp();
+    within(
+        q * factor,
+        params.least_jerk_variance,
+        S::from_f64(MAX_JERK * MAX_JERK),
+    )
+}
+
+/// Returns `x` limited to the range from `least` to `most`.
+#[inline(always)]
+fn within<S: Scalar>(x: S, least: S, most: S) -> S {
+    x.min(most).max(least)
+}
+
 impl<S: Scalar> Observer<S> {
     pub fn new(params: &ObserverParams<S>) -> Self {
         let square = |x: f64| S::from_f64(x * x);
@@ -254,65 +354,27 @@ impl<S: Scalar> Observer<S> {
         let sixth = half * h * S::from_f64(1.0 / 3.0);
         let jerk = [sixth, half, h];
         let q = self.jerk_variance;
-        // Factors of a_u, theta and lambda in the ramp.
-        let by_a = -before.damping_rate;
-        let by_theta = before.damping_rate * f;
-        let by_lambda = before.mobility * f - before.external;
-        let (o, l) = (S::ZERO, S::ONE);
-        let transition = [
-            [
-                l,
-                h,
-                half + sixth * by_a,
-                sixth * by_theta - half * f - held.lead,
-                sixth * by_lambda,
-            ],
-            [
-                o,
-                l,
-                h + half * by_a,
-                half * by_theta - h * f,
-                half * by_lambda,
-            ],
-            [o, o, l + h * by_a, h * by_theta, h * by_lambda],
-        ];
+        let transition = before.transition(&held, jerk);
         // Uncertainty of the held force: a kick that is missing or occurs twice.
         let kicked = before.mobility * held.impulse_deviation * h;
         let measurement_variance = measurement_variance + kicked * kicked;
         let unseen = measurement_variance + q * sixth * sixth;
         let mut covariance = self.covariance;
-        let mut expected = covariance.expected_innovation(&transition[0], unseen);
         let square = innovation * innovation;
-        let surprised = square > S::from_f64(SURPRISE) * expected.variance;
-        if surprised {
-            // Outside the model: the device was kicked or grabbed. Assume the kick at the beginning of the interval, so
-            // that the velocity is that of the last step.
-            let kick = square / S::from_f64(EXPLAINED) - expected.variance;
-            covariance.widen(VELOCITY, kick / (h * h));
-            expected = covariance.expected_innovation(&transition[0], unseen);
-        }
+        let (expected, surprised) =
+            explain_innovation(&mut covariance, &transition[0], unseen, square, h);
         let (mut known, gain) = covariance
             .stepped(&transition, &expected.row, jerk, q)
             .measured(measurement_variance);
 
-        let within = |x: S, least: S, most: S| x.min(most).max(least);
-        let model = params.mobility;
-        let mobility = within(
-            before.mobility + gain[3] * innovation,
-            model / S::from_f64(HEAVIEST),
-            model / S::from_f64(LIGHTEST),
-        );
-        let most = S::from_f64(MAX_DAMPING_RATE);
-        let damping_rate = within(before.damping_rate + gain[4] * innovation, -most, most);
+        let (mobility, damping_rate) = before.mobility_and_damping(params, &gain, innovation);
         if surprised {
             // The device may have been grabbed or released. A change of its mass changes the velocity, and the effect
             // of a force, by the same factor. A kick that is small against both comes from friction or a hand and gives
             // no information on the mass.
             let speed = before.velocity.abs() + S::HALF * h * mobility * f.abs();
             let deviation = part_kicked(innovation.abs() / h, speed) * mobility;
-            let u = known.upper[MOBILITY][DAMPING_RATE - 1];
-            let has = known.diagonal[MOBILITY] + u * u * known.diagonal[DAMPING_RATE];
-            known.widen(MOBILITY, deviation * deviation - has);
+            widen_mobility(&mut known, deviation);
         }
         let weight = innovation / expected.variance;
         let smoothed = EstimatedMotion {
@@ -322,8 +384,6 @@ impl<S: Scalar> Observer<S> {
             mobility,
             damping_rate,
         };
-        let ratio = (square / expected.variance).min(S::from_f64(JERK_CAP));
-        let factor = (S::from_f64(JERK_GAIN) * (ratio - S::ONE)).exp();
         let adapted = Self {
             motion: EstimatedMotion {
                 offset: innovation * (gain[0] - S::ONE),
@@ -333,11 +393,7 @@ impl<S: Scalar> Observer<S> {
                 damping_rate,
             },
             covariance: known,
-            jerk_variance: within(
-                q * factor,
-                params.least_jerk_variance,
-                S::from_f64(MAX_JERK * MAX_JERK),
-            ),
+            jerk_variance: adapted_jerk_variance(params, q, square / expected.variance),
         };
         if !adapted.is_finite() {
             *self = Self::new(params);
