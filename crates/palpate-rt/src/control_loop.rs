@@ -1,5 +1,6 @@
 //! The control loop: sleep, sample, render, limit, command, record.
 
+#[path = "tick_phases.rs"]
 mod tick_phases;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
