@@ -8,7 +8,7 @@ use crate::geometry::convex::{NoHull, Polygon, coarse_hull, hull, triangles};
 use crate::geometry::rigid::{Rotation, Vector3, orientation};
 use crate::{MassProperties, Mesh, MeshError, Vector};
 
-/// Maximum number of contact points of a world, without those of [large](PointShell::MAX_ALWAYS) shells. A tick
+/// Maximum number of contact points of a world, without those of [large](crate::PointShell::MAX_ALWAYS) shells. A tick
 /// evaluates all of them in every sub-step. It also evaluates up to the same number of near points of large shells.
 pub const MAX_POINTS: usize = 64;
 
