@@ -229,7 +229,7 @@ fn a_board_left_with_a_torque_in_the_middle_of_a_packet_is_taken_over_without_on
     for cut in [0, 1, 3, 9] {
         let settings = on_a_socket(in_the_middle(Hand::at(THERE)));
         let emulator = Emulator::start(&settings).unwrap();
-        let body = "opening::a_program_that_holds_a_torque";
+        let body = "two_diy::opening::a_program_that_holds_a_torque";
         let mut holder = std::process::Command::new(std::env::current_exe().unwrap())
             .args(["--exact", body, "--ignored"])
             .env(PORT, emulator.path())
