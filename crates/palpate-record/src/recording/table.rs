@@ -33,8 +33,8 @@ const FIRST: [&str; 25] = [
     "phase",
 ];
 
-/// Returns all columns of a [`Row`](super::Row), in the order of tables and the live page: first those that a reader
-/// looks for first, then the others of the tick and of the contact.
+/// Returns all columns of a [`Row`](super::Row), in the order of tables and the live page: the main columns from
+/// `sequence` to `phase`, then the other columns of the tick and of the contact.
 #[must_use]
 pub fn columns() -> &'static [&'static Column] {
     static COLUMNS: LazyLock<Vec<&'static Column>> = LazyLock::new(|| {

@@ -207,7 +207,7 @@ fn set_levers(point: &mut Point, mobilities: &[Mobility]) {
     ];
 }
 
-/// Contacts of the pairs visited so far, and the faults of those that cannot be rendered.
+/// Contacts of the visited pairs, and the errors of pairs without a contact model.
 #[derive(Default)]
 struct Collected {
     /// All contact points.
