@@ -82,7 +82,10 @@ fn a_convex_mesh_is_touched_as_the_box_that_it_is() {
 #[test]
 fn a_ball_of_many_corners_is_touched_as_the_ball_between_its_two_spheres() {
     // In single precision, like the vertices of engines.
-    #[expect(clippy::cast_possible_truncation, reason = "a mesh in single precision")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a mesh in single precision"
+    )]
     let single = |x: f64| f64::from(x as f32);
     let on_sphere = |place: Vector| {
         let length = place.iter().map(|x| x * x).sum::<f64>().sqrt();
