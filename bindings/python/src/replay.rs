@@ -166,7 +166,7 @@ impl Changes {
     fn gives(&self, parameter: SceneParameter) -> bool {
         let rendered = match parameter {
             SceneParameter::Rendered(rendered) => rendered,
-            SceneParameter::DelaySeconds => Parameter::Delay,
+            SceneParameter::DelaySamples | SceneParameter::DelaySeconds => Parameter::Delay,
             SceneParameter::Lag => Parameter::Lag,
             SceneParameter::Gain => Parameter::Gain,
             _ => return false,

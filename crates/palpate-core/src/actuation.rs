@@ -145,8 +145,8 @@ impl<S: Scalar> Actuation<S> {
             Parameter::Delay
                 .unless(
                     known || !evaluated,
-                    periods,
-                    Allowed::UpToSamples(LARGEST_DELAY),
+                    self.delay,
+                    Allowed::UpToPeriods(LARGEST_DELAY),
                 )
                 .err(),
             not_negative(Parameter::Lag, self.lag),

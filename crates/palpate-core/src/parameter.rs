@@ -112,11 +112,11 @@ impl ParameterName for Parameter {
             Self::SlewLimit => Unit::NewtonPerSecond,
             Self::Period
             | Self::LargestGap
+            | Self::Delay
             | Self::DelayDeviation
             | Self::Lag
             | Self::LagDeviation => Unit::Second,
             Self::Resonance => Unit::Hertz,
-            Self::Delay => Unit::Sample,
             Self::GuardAllowance => Unit::Joule,
             Self::DerivedDamping => Unit::NewtonSecondPerMetre,
             Self::Side
@@ -177,8 +177,8 @@ pub enum Allowed {
     Range(Range),
     /// Finite and at least one period of the loop.
     AtLeastOnePeriod,
-    /// From 0 to this number of samples.
-    UpToSamples(usize),
+    /// From 0 to this number of periods of the loop.
+    UpToPeriods(usize),
     /// Another condition, in words that follow "must be".
     Words(&'static str),
 }
@@ -188,7 +188,7 @@ impl fmt::Display for Allowed {
         match self {
             Self::Range(range) => f.write_str(range.allowed()),
             Self::AtLeastOnePeriod => f.write_str("finite and at least one period"),
-            Self::UpToSamples(most) => write!(f, "0 to {most}"),
+            Self::UpToPeriods(most) => write!(f, "0 to {most} periods"),
             Self::Words(words) => f.write_str(words),
         }
     }
@@ -287,7 +287,6 @@ pub enum Unit {
     NewtonSecondPerMetre,
     Joule,
     Hertz,
-    Sample,
 }
 
 impl Unit {
@@ -306,7 +305,6 @@ impl Unit {
             Self::NewtonSecondPerMetre => "N s/m",
             Self::Joule => "J",
             Self::Hertz => "Hz",
-            Self::Sample => "samples",
         }
     }
 
@@ -325,7 +323,6 @@ impl Unit {
             Self::NewtonSecondPerMetre => "_n_s_per_m",
             Self::Joule => "_j",
             Self::Hertz => "_hz",
-            Self::Sample => "_samples",
         }
     }
 }

@@ -73,7 +73,7 @@ impl Scene {
         let samples = self.delay.whole_samples();
         if samples > MAX_DELAY {
             let allowed = "at most 1024";
-            faults.not(Rendered(Parameter::Delay), samples as f64, allowed);
+            faults.not(Of::DelaySamples, samples as f64, allowed);
         }
         // A bad period is the renderer's to refuse.
         if Range::Positive.contains(self.loop_params.period)

@@ -33,6 +33,7 @@ pub enum SceneParameter {
     HandPosition,
     Swing,
     SwingFrequency,
+    DelaySamples,
     DelayFraction,
     DelaySeconds,
     CommandJitter,
@@ -88,6 +89,7 @@ impl SceneParameter {
             Self::HandPosition => "hand.position_m",
             Self::Swing => "hand.swing_m",
             Self::SwingFrequency => "hand.swing_hz",
+            Self::DelaySamples => "loop.delay_samples",
             Self::DelayFraction => "loop.delay_fraction",
             Self::DelaySeconds => "loop.delay_s",
             Self::CommandJitter => "loop.command_jitter_s",
@@ -118,7 +120,7 @@ fn key_of_rendered(parameter: Parameter) -> &'static str {
         Parameter::VirtualForce => "object.force_n",
         Parameter::Side => "object.side",
         Parameter::Period => "loop.period_s",
-        Parameter::Delay => "loop.delay_samples",
+        Parameter::Delay => "model.delay_s",
         Parameter::LargestGap => "renderer.largest_gap_s",
         Parameter::SpeedLimit => "renderer.speed_limit_m_per_s",
         Parameter::ForceLimit => "renderer.force_limit_n",
@@ -185,6 +187,7 @@ impl ParameterName for SceneParameter {
             | Self::Lag
             | Self::ModelDelay
             | Self::Duration => "s",
+            Self::DelaySamples => "samples",
             Self::DelayFraction => "periods",
             Self::DropProbability
             | Self::DroppedSamples

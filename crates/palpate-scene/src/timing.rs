@@ -80,7 +80,7 @@ impl RawLoop {
                 Delay::Seconds(places.take(SceneParameter::DelaySeconds, seconds))
             }
             (None, samples, fraction) => Delay::Periods {
-                samples: places.take_or(Parameter::Delay, samples, 0),
+                samples: places.take_or(SceneParameter::DelaySamples, samples, 0),
                 fraction: places.take_or(SceneParameter::DelayFraction, fraction, 0.0),
             },
             (Some(seconds), _, _) => {

@@ -45,7 +45,9 @@ impl Flags {
             SceneParameter::ModelDeviceMass => {
                 valued("--model-device-mass", self.model_device_mass)
             }
-            SceneParameter::DelaySeconds => valued(of.delay_flag(), of.delay.or(of.delay_periods)),
+            SceneParameter::DelaySamples | SceneParameter::DelaySeconds => {
+                valued(of.delay_flag(), of.delay.or(of.delay_periods))
+            }
             SceneParameter::Lag => valued("--lag", of.lag),
             SceneParameter::Gain => valued("--gain", of.gain),
             SceneParameter::ModelDelay => valued("--model-delay", of.model_delay),

@@ -125,6 +125,8 @@ fn actuator_model_brings_coupled_near_the_hold_bound() {
     );
     let too_long = "--delay is 20 s, 2000 periods of 0.01 s, but must be at most 1024 periods";
     folder.fail("simulate scene.toml --delay 20", 2, &[too_long]);
+    let negative = "--delay is -1 s, but must be finite and not below 0";
+    folder.fail("simulate scene.toml --delay -1", 2, &[negative]);
 }
 
 #[test]
