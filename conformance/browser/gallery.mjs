@@ -73,7 +73,7 @@ for (const file of readdirSync(WORLDS).filter((name) => name.endsWith(".toml")).
   });
   await open.page.click("#restart");
   await open.until("it has begun anew", (before) => palpate.model.run !== before, run);
-  const rests = [...text.matchAll(/^hand_rest_m = (\[.*\])$/gm)].map(([, rest]) => JSON.parse(rest));
+  const rests = [...text.matchAll(/^rest_m = (\[.*\])$/gm)].map(([, rest]) => JSON.parse(rest));
   if (rests.length > 0) {
     await leadTo(open, rests);
   }

@@ -2339,7 +2339,7 @@ palpate_status palpate_scene_new(const struct palpate_scene_params *params,
                                  struct palpate_scene **scene);
 
 /*
- Creates a scene from a scene file of format 2, to be changed by calls. Otherwise as palpate_scene_new and
+ Creates a scene from a scene file, to be changed by calls. Otherwise as palpate_scene_new and
  palpate_world_open.
 
  # Safety
@@ -2543,7 +2543,7 @@ palpate_status palpate_joint_params_init(struct palpate_joint_params *params, si
 palpate_status palpate_shape_init(struct palpate_shape *shape, size_t struct_size);
 
 /*
- Creates the world of a scene file of format 2 and stores it in `*world`, or NULL on an error. Free it with
+ Creates the world of a scene file and stores it in `*world`, or NULL on an error. Free it with
  palpate_world_free. Mesh files are searched beside the scene. `params` may be NULL: all defaults.
 
  # Safety
@@ -2554,7 +2554,7 @@ palpate_status palpate_world_open(const char *path,
                                   struct palpate_world **world);
 
 /*
- Creates a world from the text of a scene of format 2. `name` is the path of the scene for messages, and mesh files
+ Creates a world from the text of a scene. `name` is the path of the scene for messages, and mesh files
  are searched beside it; NULL: the working directory. Otherwise as palpate_world_open.
 
  # Safety

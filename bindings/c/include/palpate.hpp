@@ -281,7 +281,7 @@ using Contact = BasicContact<double>;
 /* A contact with ticks in float. */
 using ContactF32 = BasicContact<float>;
 
-/* Description of a world: devices, bodies, laws and joints, added by calls or read from a scene file of format 2. A
+/* Description of a world: devices, bodies, laws and joints, added by calls or read from a scene file. A
    rejected call throws Error and leaves the scene unchanged. Movable and not copyable. */
 class Scene {
  public:
@@ -389,7 +389,7 @@ class Scene {
   palpate_scene *scene_ = nullptr;
 };
 
-/* A world of a scene or of a scene file of format 2. Only one thread may use it at a time. It is movable and not
+/* A world of a scene or of a scene file. Only one thread may use it at a time. It is movable and not
    copyable; a moved-from world returns no force. */
 class World {
  public:

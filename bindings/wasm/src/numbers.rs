@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
-use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_scene::world::WorldScene;
+use palpate_scene::{Scene, SceneFile};
 use palpate_study::sim::closed_loop::Bench;
 use palpate_study::sim::world::as_evaluated;
 use palpate_testbed::actuator::ActuatorParams;
@@ -21,19 +21,14 @@ const USUAL: (f64, f64, f64) = (1.0, 1000.0, 0.05);
 /// # Errors
 /// A fault of the text, with line and column; a scene that cannot be run.
 pub fn numbers(source: &str) -> Result<String, String> {
-    if WorldFile::is_world_file(source) {
-        let file = WorldFile::parse("world", source).map_err(|errors| errors.to_string())?;
-        of_world(file.scene)
-    } else {
-        of_scene(source)
+    match SceneFile::parse("scene", source).map_err(|errors| errors.to_string())? {
+        SceneFile::Contact(file) => of_contact(&file.scene),
+        SceneFile::World(file) => of_world(file.scene),
     }
 }
 
-fn of_scene(source: &str) -> Result<String, String> {
-    let scene = SceneFile::parse("scene", source)
-        .map_err(|errors| errors.to_string())?
-        .scene;
-    let bench = Bench::new(&scene).map_err(|error| error.to_string())?;
+fn of_contact(scene: &Scene) -> Result<String, String> {
+    let bench = Bench::new(scene).map_err(|error| error.to_string())?;
     let mut text = String::new();
     for method in MethodName::ALL {
         let run = bench.run(method).map_err(|error| error.to_string())?;
@@ -58,10 +53,12 @@ fn of_scene(source: &str) -> Result<String, String> {
 
 fn of_world(mut scene: WorldScene) -> Result<String, String> {
     let (damping, stiffness, mass) = USUAL;
-    let render = &mut scene.render;
-    render.damping.get_or_insert(damping);
-    render.coupling.stiffness.get_or_insert(stiffness);
-    render.coupling.mass.get_or_insert(mass);
+    for method in WorldScene::METHODS {
+        let settings = scene.render.settings.entry(method).or_default();
+        settings.damping.get_or_insert(damping);
+        settings.coupling.stiffness.get_or_insert(stiffness);
+        settings.coupling.mass.get_or_insert(mass);
+    }
     let actuator = scene.timing.actuator;
     let params = PlantParams {
         period: scene.timing.period,

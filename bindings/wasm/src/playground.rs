@@ -6,7 +6,7 @@ use palpate_live::message::{
 use palpate_live::{Limits, Settings, make_room};
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Delay, Scene, SceneFile};
+use palpate_scene::{ContactFile, Delay, Scene};
 use palpate_study::sim::device::{PointerHand, PointerParams};
 use serde::{Deserialize, Serialize};
 
@@ -74,7 +74,7 @@ impl Playground {
     /// # Errors
     /// A fault of the scene, with line and column.
     pub fn open(source: &str) -> Result<Self, String> {
-        let scene = SceneFile::parse("scene", source)
+        let scene = ContactFile::parse("scene", source)
             .map_err(|errors| errors.to_string())?
             .scene;
         let methods = [MethodName::Basic, scene.method];

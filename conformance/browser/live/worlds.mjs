@@ -166,9 +166,10 @@ shape = { sphere = { radius_m = 0.03 } }
 [[contact]]
 between = ["*", "*"]
 stiffness_n_per_m = 1000.0
+[model]
+device_mass_kg = 0.2
 [render]
 method = "coupled"
-device_mass_kg = 0.2
 `;
 
 /** Returns the brightness of the picture at a position in the world, by the formula of WCAG. */

@@ -14,7 +14,7 @@ use palpate_record::recording::Flags;
 use palpate_rt::safety::{OscillationParams, SafetyParams, SafetyStop};
 use palpate_rt::{ControlLoop, Ending, Message, Note, StopFlag, tap};
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, SceneFile, beside};
+use palpate_scene::{ContactFile, Scene, beside};
 use palpate_study::sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
 
 use crate::hostile::anything;
@@ -68,7 +68,7 @@ pub fn scene(name: &str) -> Scene {
         .join("../../experiments")
         .join(name);
     let text = std::fs::read_to_string(&path).unwrap();
-    SceneFile::parse_with(name, &text, &mut beside(&path))
+    ContactFile::parse_with(name, &text, &mut beside(&path))
         .unwrap()
         .scene
 }

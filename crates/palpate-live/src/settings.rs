@@ -293,13 +293,13 @@ pub(crate) fn written(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use palpate_scene::SceneFile;
+    use palpate_scene::ContactFile;
 
     use super::*;
 
     fn scene() -> Scene {
         let text = include_str!("../../../experiments/fig2.toml");
-        SceneFile::parse("fig2.toml", text).unwrap().scene
+        ContactFile::parse("fig2.toml", text).unwrap().scene
     }
 
     #[test]

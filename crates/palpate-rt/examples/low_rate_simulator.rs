@@ -39,9 +39,9 @@ loop = { period_s = 0.001 }
 name = "tool"
 mass_kg = 0.15
 position_m = [0.0, 0.0, 0.055]
-hand_stiffness_n_per_m = 60.0
-hand_damping_n_s_per_m = 1.5
-hand_rest_m = [0.0, 0.0, 0.02]
+hand.stiffness_n_per_m = 60.0
+hand.damping_n_s_per_m = 1.5
+hand.rest_m = [0.0, 0.0, 0.02]
 tool = { sphere = { radius_m = 0.01 } }
 [[body]]
 name = "floor"

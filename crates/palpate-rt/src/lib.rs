@@ -18,10 +18,10 @@
 //! use palpate_rt::safety::SafetyParams;
 //! use palpate_rt::ControlLoop;
 //! use palpate_scene::method::MethodName;
-//! use palpate_scene::SceneFile;
+//! use palpate_scene::ContactFile;
 //!
 //! # let text = include_str!("../../../experiments/fig2.toml");
-//! let scene = SceneFile::parse("fig2.toml", text)?.scene;
+//! let scene = ContactFile::parse("fig2.toml", text)?.scene;
 //! let clock = SteppedClock::new();
 //! let device = SimulatedDevice::new(&scene, clock.clone())?;
 //! let rendering = scene.rendering(MethodName::Coupled)?;

@@ -12,6 +12,9 @@ use super::{
 /// Largest number, of either sign and in whatever unit: the squares and products of larger ones may not be finite.
 const LARGEST: f64 = 1e12;
 
+/// Smallest number that has to be above 0, in whatever unit: the inverses of smaller ones may not be finite.
+const SMALLEST: f64 = 1e-20;
+
 /// Longest delay `[samples]`, that of the bench's hold.
 const MAX_DELAY: usize = DelayedHold::LONGEST_DELAY;
 
@@ -44,6 +47,8 @@ impl Faults {
             };
             if !range.contains(value) {
                 self.add(parameter, value, Allowed::Range(range));
+            } else if range == Range::Positive && value < SMALLEST {
+                self.not(parameter, value, "at least 1e-20");
             } else if value > LARGEST {
                 self.not(parameter, value, "at most 1e12");
             } else if value < -LARGEST {
@@ -104,6 +109,8 @@ impl Scene {
         ] {
             if value.is_finite() && value > LARGEST {
                 faults.not(Rendered(parameter), value, "at most 1e12");
+            } else if value > 0.0 && value < SMALLEST {
+                faults.not(Rendered(parameter), value, "at least 1e-20");
             }
         }
     }
@@ -170,7 +177,7 @@ impl Scene {
         }
         if self.contact.side != Side::Positive {
             let side = Rendered(Parameter::Side);
-            faults.not(side, -1.0, "positive for a pantograph");
+            faults.not(side, 1.0, "-1 along y on a linkage");
         }
     }
 
@@ -260,7 +267,7 @@ fn check_point_mass(device: &PointMassDevice, faults: &mut Faults) {
                 "from 0 to 1",
             ),
             (
-                Of::MotorMassShare,
+                Of::MotorMassFraction,
                 transmission.motor_share,
                 transmission.motor_share > 0.0 && transmission.motor_share < 1.0,
                 "above 0 and below 1",

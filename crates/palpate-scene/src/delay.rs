@@ -91,6 +91,15 @@ impl Delay {
         }
     }
 
+    /// Returns the time of it in a loop of `period` `[s]` `[s]`.
+    #[must_use]
+    pub fn time(self, period: f64) -> f64 {
+        match self {
+            Self::Periods { samples, fraction } => (samples as f64 + fraction) * period,
+            Self::Seconds(seconds) => seconds,
+        }
+    }
+
     /// Whether it is a number of whole samples, and no more.
     #[must_use]
     pub fn is_whole(self) -> bool {

@@ -1,244 +1,115 @@
-//! The device of a scene file: a point mass, or a linkage from a device file.
+//! `[[device]]` of a scene file.
 
-use std::ops::Range;
-
-use palpate_core::Parameter;
+use palpate_world::{Quaternion, Vector};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::PointMassDevice;
-use super::beside::{Files, beside_scene};
 use super::device_file::RawBox;
 use super::drivetrain_key::RawDrivetrain;
-use super::fault::{Places, SceneError};
-use super::linkage::Linkage;
-use super::parameter::SceneParameter as Of;
-use crate::method::nearest;
+use super::hand_key::RawHand;
+use crate::fault::Span;
+use crate::world::mass_table::RawMassTable;
+use crate::world::per_axis::{DeviceAxes, PerAxis};
+use crate::world::shape::RawShape;
 
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum DeviceKind {
-    PointMass,
-    Pantograph,
-}
-
+/// A device with its drivetrain and its hand.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawDevice {
-    pub kind: Spanned<DeviceKind>,
-    preset: Option<Spanned<String>>,
-    file: Option<Spanned<String>>,
-    safety_box: Option<Spanned<RawBox>>,
-    pub mass_kg: Option<Spanned<f64>>,
-    pub position_m: Option<Spanned<f64>>,
-    pub velocity_m_per_s: Option<Spanned<f64>>,
-    pub encoder_quantum_m: Option<Spanned<f64>>,
-    pub viscous_n_s_per_m: Option<Spanned<f64>>,
-    pub coulomb_n: Option<Spanned<f64>>,
-    pub motor_limit_n: Option<Spanned<f64>>,
-    resonance_hz: Option<Spanned<f64>>,
-    resonance_damping_ratio: Option<Spanned<f64>>,
-    motor_mass_share: Option<Spanned<f64>>,
-    backlash_m: Option<Spanned<f64>>,
-    cogging_n: Option<Spanned<f64>>,
-    cogging_pitch_m: Option<Spanned<f64>>,
-    noise_m: Option<Spanned<f64>>,
+pub(crate) struct RawDevice {
+    pub name: Spanned<String>,
+    pub axes: Option<Spanned<DeviceAxes>>,
+    pub mass_kg: Option<Spanned<PerAxis>>,
+    pub mass_table: Option<Spanned<RawMassTable>>,
+    pub linkage: Option<Spanned<RawLinkage>>,
+    pub safety_box: Option<Spanned<RawBox>>,
+    pub position_m: Option<Spanned<Vector>>,
+    pub velocity_m_per_s: Option<Spanned<Vector>>,
+    pub quantum_m: Option<Spanned<PerAxis>>,
+    pub noise_m: Option<Spanned<f64>>,
+    pub inertia_kg_m2: Option<Spanned<Vector>>,
+    pub gives_torque: Option<Spanned<bool>>,
+    pub orientation: Option<Spanned<Quaternion>>,
+    pub angular_velocity_rad_per_s: Option<Spanned<Vector>>,
+    pub quantum_rad: Option<Spanned<f64>>,
+    pub tool: Option<Spanned<RawShape>>,
+    #[serde(default)]
+    pub drivetrain: RawDrivetrain,
+    #[serde(default)]
+    pub hand: RawHand,
 }
 
-/// Error in the device of a scene.
-pub(super) enum DeviceFault {
-    /// In the scene file, with its span.
-    Here(Range<usize>, String),
-    /// In the device file.
-    InDeviceFile(SceneError),
+/// A linkage by its name, or by the file that describes it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RawLinkage {
+    pub preset: Option<Spanned<String>>,
+    pub file: Option<Spanned<String>>,
 }
 
-/// The device of a scene: what a point mass has, or a linkage has. Neither can have what the other has.
-pub(super) enum ReadDevice {
-    PointMass(ReadPointMass),
-    /// A linkage and where along y from its home it begins `[m]`.
-    Pantograph(Linkage, Option<Spanned<f64>>),
+/// Keys of a device's rotation, without its inertia.
+pub(crate) struct TurningKeys {
+    /// Rotational stiffness of the hand `[N m/rad]`.
+    pub stiffness: Option<Spanned<f64>>,
+    /// Rotational damping of the hand `[N m s/rad]`.
+    pub damping: Option<Spanned<f64>>,
+    /// Quantum of the angle sensor `[rad]`.
+    pub quantum: Option<Spanned<f64>>,
+    /// Amplitude of the tremor's torque `[N m]`.
+    pub tremor: Option<Spanned<f64>>,
+    /// Orientation at the start.
+    pub orientation: Option<Spanned<Quaternion>>,
+    /// Orientation at which the hand is at rest.
+    pub rest: Option<Spanned<Quaternion>>,
+    /// Torque of the hand `[N m]`.
+    pub torque: Option<Spanned<Vector>>,
+    /// Angular velocity at the start `[rad/s]`.
+    pub angular_velocity: Option<Spanned<Vector>>,
+    /// Whether the motors give torques.
+    pub gives_torque: Option<Spanned<bool>>,
 }
 
-/// A point mass with the spans of its values.
-pub(super) struct ReadPointMass {
-    mass: Spanned<f64>,
-    position: Option<Spanned<f64>>,
-    velocity: Option<Spanned<f64>>,
-    encoder_quantum: Option<Spanned<f64>>,
-    viscous_friction: Option<Spanned<f64>>,
-    coulomb_friction: Option<Spanned<f64>>,
-    largest_force: Option<Spanned<f64>>,
-    drivetrain: RawDrivetrain,
-}
-
-impl ReadPointMass {
-    /// A point mass with its defaults.
-    pub fn new(mass: Spanned<f64>) -> Self {
+impl TurningKeys {
+    /// Takes the keys out of a device.
+    pub fn take(raw: &mut RawDevice) -> Self {
         Self {
-            mass,
-            position: None,
-            velocity: None,
-            encoder_quantum: None,
-            viscous_friction: None,
-            coulomb_friction: None,
-            largest_force: None,
-            drivetrain: RawDrivetrain::default(),
+            stiffness: raw.hand.rotational_stiffness_n_m_per_rad.take(),
+            damping: raw.hand.rotational_damping_n_m_s_per_rad.take(),
+            quantum: raw.quantum_rad.take(),
+            tremor: raw.hand.tremor_n_m.take(),
+            orientation: raw.orientation.take(),
+            rest: raw.hand.rest_orientation.take(),
+            torque: raw.hand.torque_n_m.take(),
+            angular_velocity: raw.angular_velocity_rad_per_s.take(),
+            gives_torque: raw.gives_torque.take(),
         }
     }
 
-    pub fn device(self, places: &mut Places<Of>) -> PointMassDevice {
-        let device = PointMassDevice {
-            mass: places.take(Parameter::DeviceMass, self.mass),
-            position: places.take_or(Of::DevicePosition, self.position, 0.0),
-            velocity: places.take_or(Of::DeviceVelocity, self.velocity, 0.0),
-            encoder_quantum: places.take_or(Parameter::EncoderQuantum, self.encoder_quantum, 0.0),
-            viscous_friction: places.take_or(Of::ViscousFriction, self.viscous_friction, 0.0),
-            coulomb_friction: places.take_or(Of::CoulombFriction, self.coulomb_friction, 0.0),
-            largest_force: self
-                .largest_force
-                .map(|force| places.take(Of::MotorLimit, force)),
-            ..PointMassDevice::default()
-        };
-        self.drivetrain.on(device, places)
-    }
-}
-
-impl RawDevice {
-    /// The device in the scene file called `scene`; `files` gives the text of a linkage's own file.
-    pub fn read(self, scene: &str, files: Files<'_>) -> Result<ReadDevice, DeviceFault> {
-        match self.kind.get_ref() {
-            DeviceKind::PointMass => self.point_mass().map(ReadDevice::PointMass),
-            DeviceKind::Pantograph => self.pantograph(scene, files),
-        }
-    }
-
-    /// The keys of transmission, cogging and noise, taken out.
-    fn drivetrain(&mut self) -> RawDrivetrain {
-        RawDrivetrain {
-            resonance_hz: self.resonance_hz.take(),
-            resonance_damping_ratio: self.resonance_damping_ratio.take(),
-            motor_mass_share: self.motor_mass_share.take(),
-            backlash_m: self.backlash_m.take(),
-            cogging_n: self.cogging_n.take(),
-            cogging_pitch_m: self.cogging_pitch_m.take(),
-            noise_m: self.noise_m.take(),
-        }
-    }
-
-    fn point_mass(mut self) -> Result<ReadPointMass, DeviceFault> {
-        let of_a_linkage = [&self.preset, &self.file];
-        if let Some(key) = of_a_linkage.into_iter().flatten().next() {
-            return here(
-                key.span(),
-                "only a device of kind pantograph has a preset or a file",
-            );
-        }
-        if let Some(key) = &self.safety_box {
-            return here(
-                key.span(),
-                "only a device of kind pantograph has a safety box",
-            );
-        }
-        let drivetrain = self.drivetrain();
-        if let Some((span, message)) = drivetrain.alone() {
-            return here(span, message);
-        }
-        let Some(mass) = self.mass_kg else {
-            return here(
-                self.kind.span(),
-                "a device of kind point-mass needs mass_kg",
-            );
-        };
-        Ok(ReadPointMass {
-            drivetrain,
-            mass,
-            position: self.position_m,
-            velocity: self.velocity_m_per_s,
-            encoder_quantum: self.encoder_quantum_m,
-            viscous_friction: self.viscous_n_s_per_m,
-            coulomb_friction: self.coulomb_n,
-            largest_force: self.motor_limit_n,
-        })
-    }
-
-    fn pantograph(mut self, scene: &str, files: Files<'_>) -> Result<ReadDevice, DeviceFault> {
-        let linkage = match (&self.preset, &self.file) {
-            (None, None) => {
-                return here(
-                    self.kind.span(),
-                    &format!(
-                        "a device of kind pantograph needs a preset, one of {}, or a file",
-                        presets()
-                    ),
-                );
-            }
-            (Some(_), Some(file)) => {
-                return here(file.span(), "a device has a preset or a file, not both");
-            }
-            (Some(preset), None) => by_name(preset)?,
-            (None, Some(file)) => from_file(file, scene, files)?,
-        };
-        let drivetrain = self.drivetrain();
-        let of_a_point_mass = [
-            &self.mass_kg,
-            &self.velocity_m_per_s,
-            &self.encoder_quantum_m,
-            &self.viscous_n_s_per_m,
-            &self.coulomb_n,
-            &self.motor_limit_n,
-        ];
-        let key = of_a_point_mass.into_iter().flatten().map(Spanned::span);
-        if let Some(span) = key.chain(drivetrain.any()).next() {
-            return here(
-                span,
-                "a pantograph's preset or file sets this; only position_m and safety_box can be \
-                 added",
-            );
-        }
-        let linkage = match self.safety_box {
-            None => linkage,
-            Some(safety_box) => {
-                let bounds = safety_box.into_inner().read();
-                linkage.in_box(bounds.map_err(|(span, message)| DeviceFault::Here(span, message))?)
-            }
-        };
-        Ok(ReadDevice::Pantograph(linkage, self.position_m))
-    }
-}
-
-fn here<T>(span: Range<usize>, message: &str) -> Result<T, DeviceFault> {
-    Err(DeviceFault::Here(span, message.into()))
-}
-
-fn presets() -> String {
-    Linkage::presets().collect::<Vec<_>>().join(", ")
-}
-
-fn by_name(preset: &Spanned<String>) -> Result<Linkage, DeviceFault> {
-    let name = preset.get_ref();
-    Linkage::preset(name).ok_or_else(|| {
-        let known: Vec<_> = Linkage::presets().collect();
-        let message = match nearest(name, &known) {
-            Some(near) => format!("no preset is called \"{name}\"; did you mean \"{near}\"?"),
-            None => format!(
-                "no preset is called \"{name}\"; the presets are {}",
-                presets()
+    /// Returns the error of each key that is given for a device without an inertia.
+    pub fn refused(&self) -> Vec<(Span, String)> {
+        let keys = [
+            (
+                "hand.rotational_stiffness_n_m_per_rad",
+                span(&self.stiffness),
             ),
-        };
-        DeviceFault::Here(preset.span(), message)
-    })
+            ("hand.rotational_damping_n_m_s_per_rad", span(&self.damping)),
+            ("quantum_rad", span(&self.quantum)),
+            ("hand.tremor_n_m", span(&self.tremor)),
+            ("orientation", span(&self.orientation)),
+            ("hand.rest_orientation", span(&self.rest)),
+            ("hand.torque_n_m", span(&self.torque)),
+            ("angular_velocity_rad_per_s", span(&self.angular_velocity)),
+            ("gives_torque", span(&self.gives_torque)),
+        ];
+        let refused = keys.into_iter().filter_map(|(key, span)| {
+            let message =
+                format!("{key} needs a device of six axes, with inertia_kg_m2 (three moments)");
+            Some((span?, message))
+        });
+        refused.collect()
+    }
 }
 
-fn from_file(
-    file: &Spanned<String>,
-    scene: &str,
-    files: Files<'_>,
-) -> Result<Linkage, DeviceFault> {
-    let name = beside_scene(scene, file.get_ref());
-    let text = files(file.get_ref()).map_err(|error| {
-        let message = format!("the device file {name} cannot be read: {error}");
-        DeviceFault::Here(file.span(), message)
-    })?;
-    Linkage::parse(&name, &text).map_err(DeviceFault::InDeviceFile)
+/// Returns the span of a value, if it is given.
+pub(crate) fn span<T>(value: &Option<Spanned<T>>) -> Option<Span> {
+    value.as_ref().map(Spanned::span)
 }

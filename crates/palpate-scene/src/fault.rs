@@ -70,6 +70,12 @@ impl SceneErrors {
     }
 }
 
+impl From<SceneError> for SceneErrors {
+    fn from(fault: SceneError) -> Self {
+        Self(vec![fault])
+    }
+}
+
 impl IntoIterator for SceneErrors {
     type Item = SceneError;
     type IntoIter = std::vec::IntoIter<SceneError>;
@@ -144,8 +150,13 @@ pub fn in_plain_words(message: &str) -> String {
     let unknown = quoted.next().unwrap_or_default();
     // Every second piece from here on is quoted.
     let known: Vec<&str> = quoted.skip(1).step_by(2).collect();
+    unknown_key(unknown, &known)
+}
+
+/// Returns the message for a key that is none of `known`.
+pub(crate) fn unknown_key(unknown: &str, known: &[&str]) -> String {
     let all = known.join(", ");
-    match nearest(unknown, &known) {
+    match nearest(unknown, known) {
         Some(near) => format!("unknown key {unknown}, did you mean {near}? Known here: {all}"),
         None => format!("unknown key {unknown}. Known here: {all}"),
     }

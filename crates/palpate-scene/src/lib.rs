@@ -1,19 +1,22 @@
-//! Scene files: an object, a device, a hand, a loop and a renderer. The module [`method`] has the methods by name, with
-//! their settings.
+//! Scene files: devices with their hands, bodies, contacts, a loop and a renderer. The module [`method`] has the methods
+//! by name, with their settings.
 //!
 //! A scene file is TOML with a format version. Every quantity is SI and has its unit in its key. Unknown keys are
-//! errors. `experiments/` contains the paper's scenes. A separate device file of the same style describes a linkage;
-//! see `devices/`.
+//! errors. The scene alone decides who renders it: the closed form, if it has one contact along one axis, or the world
+//! renderer ([`SceneFile`]). `experiments/` contains the paper's scenes. A separate device file of the same style
+//! describes a linkage; see `devices/`.
 
 mod beside;
 mod check;
+mod contact_body;
+mod contact_device;
+mod contact_file;
 mod delay;
 mod device;
 mod device_file;
 mod device_key;
 mod drivetrain_key;
 mod fault;
-mod file;
 mod guard;
 mod hand;
 mod hand_key;
@@ -21,10 +24,14 @@ mod linkage;
 pub mod method;
 mod model;
 pub mod named_parameters;
+mod one_contact;
 mod parameter;
 mod period;
+mod raw;
+mod raw_settings;
 mod recover;
-mod renderer_key;
+mod render_key;
+mod scene_file;
 mod timing;
 mod toml_reader;
 pub mod world;
@@ -32,17 +39,18 @@ mod write;
 
 pub use beside::{beside, scene_bytes};
 pub use check::SceneParameterError;
+pub use contact_file::ContactFile;
 pub use delay::Delay;
 pub use device::{PantographDevice, PointMassDevice, SceneDevice};
 pub use fault::in_plain_words;
 pub use fault::{SceneError, SceneErrors};
-pub use file::SceneFile;
 pub use guard::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode};
 pub use hand::{Grip, Hand, Intention, Wave};
 pub use linkage::{HandForceAt, Linkage};
 pub use model::{Model, quantum_of};
 pub use parameter::SceneParameter;
 pub use period::period_question;
+pub use scene_file::SceneFile;
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};
 pub use write::Unwritable;
 
@@ -62,7 +70,7 @@ use crate::method::{Basis, MethodName, Settings, SettingsError};
 #[doc = include_str!("../README.md")]
 struct ReadmeExamples;
 
-/// A closed loop to simulate: everything but the choice of the method is fixed.
+/// A closed loop with one contact along one axis: everything but the choice of the method is fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// A line for tables and figures.

@@ -56,35 +56,25 @@ pub fn deserialize_method<'de, D: Deserializer<'de>>(from: D) -> Result<MethodNa
 /// # Errors
 /// A key that no method has; a value that no method takes under that key.
 pub fn deserialize_settings<'de, D: Deserializer<'de>>(from: D) -> Result<Settings, D::Error> {
-    from.deserialize_map(Keys).map(|GivenSettings(given)| given)
-}
-
-/// Settings as a file has them.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct GivenSettings(pub Settings);
-
-impl<'de> Deserialize<'de> for GivenSettings {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        from.deserialize_map(Keys)
-    }
+    from.deserialize_map(Keys)
 }
 
 /// The keys of settings, each with its value.
 struct Keys;
 
 impl<'de> Visitor<'de> for Keys {
-    type Value = GivenSettings;
+    type Value = Settings;
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("settings of a method")
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<GivenSettings, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Settings, A::Error> {
         let mut given = Settings::default();
         while let Some(Key(key)) = map.next_key()? {
             given.set(key, Some(map.next_value_seed(Value(key))?));
         }
-        Ok(GivenSettings(given))
+        Ok(given)
     }
 }
 
@@ -109,7 +99,7 @@ impl<'de> Deserialize<'de> for Key {
 }
 
 /// The value of a setting: anything that some method takes under its key.
-struct Value(SettingKey);
+pub(crate) struct Value(pub SettingKey);
 
 impl Value {
     /// The setting, as each method that has it takes it.

@@ -1,12 +1,14 @@
 //! Renderer's model of the loop's actuator.
 
 use palpate_core::{Actuation, LARGEST_DELAY, Parameter, Range, Transmission};
+use palpate_world::Vector;
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::fault::Places;
 use super::parameter::SceneParameter as Of;
 use super::{Delay, Scene};
+use crate::world::per_axis::PerAxis;
 
 /// Overrides of true values, and their standard deviations; all `None` by default. Without an override, the renderer's
 /// model has the true lag and gain and the delay of whole samples or of `delay_s`, without deviations. A fraction of a
@@ -25,6 +27,8 @@ pub struct Model {
     pub gain: Option<f64>,
     /// Standard deviation of the gain.
     pub gain_deviation: Option<f64>,
+    /// Quantum of the position sensor `[m]`.
+    pub sensor_quantum: Option<f64>,
     /// Standard deviation of the position sensor's error `[m]`, where it is more than the quantum makes.
     pub sensor_noise: Option<f64>,
     /// Model of the flexible transmission between the motor and the rest of the device; `None`: unmodelled.
@@ -41,17 +45,21 @@ pub fn quantum_of(noise: f64) -> f64 {
 /// Table `[model]` of a scene file.
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawModel {
-    delay_s: Option<Spanned<f64>>,
-    delay_deviation_s: Option<Spanned<f64>>,
-    lag_s: Option<Spanned<f64>>,
-    lag_deviation_s: Option<Spanned<f64>>,
-    gain: Option<Spanned<f64>>,
-    gain_deviation: Option<Spanned<f64>>,
-    sensor_noise_m: Option<Spanned<f64>>,
-    resonance_hz: Option<Spanned<f64>>,
-    resonance_damping_ratio: Option<Spanned<f64>>,
-    flexible_mass_fraction: Option<Spanned<f64>>,
+pub(crate) struct RawModel {
+    pub delay_s: Option<Spanned<f64>>,
+    pub delay_deviation_s: Option<Spanned<f64>>,
+    pub lag_s: Option<Spanned<f64>>,
+    pub lag_deviation_s: Option<Spanned<f64>>,
+    pub gain: Option<Spanned<f64>>,
+    pub gain_deviation: Option<Spanned<f64>>,
+    pub sensor_quantum_m: Option<Spanned<f64>>,
+    pub sensor_noise_m: Option<Spanned<f64>>,
+    pub resonance_hz: Option<Spanned<f64>>,
+    pub resonance_damping_ratio: Option<Spanned<f64>>,
+    pub flexible_mass_fraction: Option<Spanned<f64>>,
+    pub device_mass_kg: Option<Spanned<PerAxis>>,
+    pub device_mass_factor: Option<Spanned<f64>>,
+    pub device_inertia_kg_m2: Option<Spanned<Vector>>,
 }
 
 impl RawModel {
@@ -75,27 +83,31 @@ impl RawModel {
             })
     }
 
-    pub fn read(self, places: &mut Places<Of>) -> Model {
+    /// Returns the model values, without those of the device's mass and inertia.
+    pub fn read(&self, places: &mut Places<Of>) -> Model {
         let transmission = self
             .resonance_hz
-            .zip(self.resonance_damping_ratio)
-            .zip(self.flexible_mass_fraction)
+            .clone()
+            .zip(self.resonance_damping_ratio.clone())
+            .zip(self.flexible_mass_fraction.clone())
             .map(|((resonance, ratio), fraction)| Transmission {
                 resonance: places.take(Parameter::Resonance, resonance),
                 damping_ratio: places.take(Parameter::ResonanceDampingRatio, ratio),
                 flexible_mass_fraction: places.take(Parameter::FlexibleMassFraction, fraction),
             });
-        let mut take = |parameter: Of, value: Option<Spanned<f64>>| {
+        let mut take = |parameter: Of, value: &Option<Spanned<f64>>| {
+            let value = value.clone();
             value.map(|value| places.take(parameter, value))
         };
         Model {
-            delay: take(Of::ModelDelay, self.delay_s),
-            delay_deviation: take(Parameter::DelayDeviation.into(), self.delay_deviation_s),
-            lag: take(Parameter::Lag.into(), self.lag_s),
-            lag_deviation: take(Parameter::LagDeviation.into(), self.lag_deviation_s),
-            gain: take(Parameter::Gain.into(), self.gain),
-            gain_deviation: take(Parameter::GainDeviation.into(), self.gain_deviation),
-            sensor_noise: take(Of::ModelSensorNoise, self.sensor_noise_m),
+            delay: take(Of::ModelDelay, &self.delay_s),
+            delay_deviation: take(Parameter::DelayDeviation.into(), &self.delay_deviation_s),
+            lag: take(Parameter::Lag.into(), &self.lag_s),
+            lag_deviation: take(Parameter::LagDeviation.into(), &self.lag_deviation_s),
+            gain: take(Parameter::Gain.into(), &self.gain),
+            gain_deviation: take(Parameter::GainDeviation.into(), &self.gain_deviation),
+            sensor_quantum: take(Of::ModelSensorQuantum, &self.sensor_quantum_m),
+            sensor_noise: take(Of::ModelSensorNoise, &self.sensor_noise_m),
             transmission,
         }
     }
@@ -103,7 +115,7 @@ impl RawModel {
 
 impl Model {
     /// The values that a renderer checks, with the parameter of each.
-    pub(super) fn checked(&self) -> [(Range, Of, Option<f64>); 6] {
+    pub(super) fn checked(&self) -> [(Range, Of, Option<f64>); 7] {
         [
             (
                 Range::NotNegative,
@@ -123,16 +135,22 @@ impl Model {
                 self.gain_deviation,
             ),
             (Range::NotNegative, Of::ModelSensorNoise, self.sensor_noise),
+            (
+                Range::NotNegative,
+                Of::ModelSensorQuantum,
+                self.sensor_quantum,
+            ),
         ]
     }
 }
 
 impl Scene {
-    /// Returns the model value of the position quantum `[m]`: the sensor's own quantum, or the equivalent of the model
-    /// noise if that is larger.
+    /// Returns the model value of the position quantum `[m]`: by default the sensor's own quantum, or the equivalent of
+    /// the model noise if that is larger.
     #[must_use]
     pub fn model_quantum(&self) -> f64 {
-        let quantum = self.device.encoder_quantum();
+        let quantum = self.model.sensor_quantum;
+        let quantum = quantum.unwrap_or(self.device.encoder_quantum());
         self.model
             .sensor_noise
             .map_or(quantum, |noise| quantum_of(noise).max(quantum))

@@ -35,25 +35,25 @@ pub struct Timing {
 /// `[loop]` of a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawLoop {
+pub(crate) struct RawLoop {
     pub period_s: Spanned<f64>,
-    delay_samples: Option<Spanned<usize>>,
-    delay_fraction: Option<Spanned<f64>>,
-    delay_s: Option<Spanned<f64>>,
-    command_jitter_s: Option<Spanned<f64>>,
-    lag_s: Option<Spanned<f64>>,
-    gain: Option<Spanned<f64>>,
-    jitter_s: Option<Spanned<f64>>,
-    jitter_deviation_s: Option<Spanned<f64>>,
-    drop_probability: Option<Spanned<f64>>,
-    dropped_samples: Option<Spanned<Vec<u64>>>,
-    collapse: Option<RawCollapse>,
-    seed: Option<Spanned<u64>>,
+    pub delay_samples: Option<Spanned<usize>>,
+    pub delay_fraction: Option<Spanned<f64>>,
+    pub delay_s: Option<Spanned<f64>>,
+    pub command_jitter_s: Option<Spanned<f64>>,
+    pub lag_s: Option<Spanned<f64>>,
+    pub gain: Option<Spanned<f64>>,
+    pub jitter_s: Option<Spanned<f64>>,
+    pub jitter_deviation_s: Option<Spanned<f64>>,
+    pub drop_probability: Option<Spanned<f64>>,
+    pub dropped_samples: Option<Spanned<Vec<u64>>>,
+    pub collapse: Option<Spanned<RawCollapse>>,
+    pub seed: Option<Spanned<u64>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawCollapse {
+pub(crate) struct RawCollapse {
     from_s: Spanned<f64>,
     until_s: Spanned<f64>,
     period_s: Spanned<f64>,
@@ -69,27 +69,35 @@ impl RawLoop {
         }
     }
 
+    /// Returns the delay, or the span of a key that conflicts with another one.
+    pub fn delay(
+        &self,
+        places: &mut Places<SceneParameter>,
+    ) -> Result<Delay, (Range<usize>, &'static str)> {
+        let (samples, fraction) = (self.delay_samples.clone(), self.delay_fraction.clone());
+        match (self.delay_s.clone(), samples, fraction) {
+            (Some(seconds), None, None) => {
+                let seconds = places.take(SceneParameter::DelaySeconds, seconds);
+                Ok(Delay::Seconds(seconds))
+            }
+            (None, samples, fraction) => Ok(Delay::Periods {
+                samples: places.take_or(SceneParameter::DelaySamples, samples, 0),
+                fraction: places.take_or(SceneParameter::DelayFraction, fraction, 0.0),
+            }),
+            (Some(seconds), _, _) => Err((
+                seconds.span(),
+                "either delay_s, or delay_samples with delay_fraction; not both",
+            )),
+        }
+    }
+
     /// Returns the delay and the other imperfections, or the span of a key that lacks a required key or conflicts with
     /// another one.
     pub fn timing(
         self,
         places: &mut Places<SceneParameter>,
     ) -> Result<(Delay, Timing), (Range<usize>, &'static str)> {
-        let delay = match (self.delay_s, self.delay_samples, self.delay_fraction) {
-            (Some(seconds), None, None) => {
-                Delay::Seconds(places.take(SceneParameter::DelaySeconds, seconds))
-            }
-            (None, samples, fraction) => Delay::Periods {
-                samples: places.take_or(SceneParameter::DelaySamples, samples, 0),
-                fraction: places.take_or(SceneParameter::DelayFraction, fraction, 0.0),
-            },
-            (Some(seconds), _, _) => {
-                return Err((
-                    seconds.span(),
-                    "either delay_s, or delay_samples with delay_fraction; not both",
-                ));
-            }
-        };
+        let delay = self.delay(places)?;
         let jitter = match (self.jitter_s, self.jitter_deviation_s) {
             (None, None) => Jitter::None,
             (Some(bound), None) => Jitter::Uniform {
@@ -129,11 +137,14 @@ impl RawLoop {
             ),
             jitter,
             dropped,
-            collapse: self.collapse.map(|collapse| RateCollapse {
-                from: places.take(SceneParameter::CollapseFrom, collapse.from_s),
-                until: places.take(SceneParameter::CollapseUntil, collapse.until_s),
-                period: places.take(SceneParameter::CollapsePeriod, collapse.period_s),
-            }),
+            collapse: self
+                .collapse
+                .map(Spanned::into_inner)
+                .map(|collapse| RateCollapse {
+                    from: places.take(SceneParameter::CollapseFrom, collapse.from_s),
+                    until: places.take(SceneParameter::CollapseUntil, collapse.until_s),
+                    period: places.take(SceneParameter::CollapsePeriod, collapse.period_s),
+                }),
             seed: places.take_or(SceneParameter::Seed, self.seed, 0),
         };
         Ok((delay, timing))

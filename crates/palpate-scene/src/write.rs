@@ -1,8 +1,8 @@
-//! Scenes as files.
+//! Scenes of one contact as files.
 
 use std::fmt::Write;
 
-use palpate_core::{Contact, Guard, LoopParams, Mass, ObjectState, ParameterValue, Side};
+use palpate_core::{Contact, Guard, LoopParams, Mass, ObjectState, ParameterValue};
 use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::pantograph::SafetyBox;
 
@@ -41,72 +41,90 @@ impl Scene {
             method,
             settings,
         } = self;
-        let mut file = File::default();
-        file.line("scene_format", "1");
+        let axis = device.pantograph().map_or("x", |_| "y");
+        let mut file = File {
+            text: String::new(),
+            axis,
+        };
+        file.line("format", "2");
         file.line("title", &toml::Value::from(title.as_str()).to_string());
-        file.object_table(*contact, *object, *object_radius, *virtual_force);
-        file.device_tables(device)?;
         file.loop_table(loop_params.period, *delay, timing, *actuator);
-        file.model(model);
+        file.device_tables(device)?;
+        let object = (*object, *object_radius, *virtual_force);
+        file.body_tables(*contact, object);
+        file.model(model, *model_device_mass);
+        file.render_table(*method, contact.unilateral, *loop_params);
         file.measure_table(measure);
-        let unilateral = contact.unilateral;
-        file.renderer_table(*method, *model_device_mass, unilateral, *loop_params);
         for method in MethodName::ALL {
             if let Some(settings) = settings.get(&method) {
-                file.table(&format!("methods.{method}"));
+                file.table(&format!("[methods.{method}]"));
                 file.settings(method, settings);
             }
         }
-        Ok(file.0)
+        Ok(file.text)
     }
 }
 
 /// The text so far.
-#[derive(Default)]
-struct File(String);
+struct File {
+    text: String,
+    /// Name of the axis of device and object.
+    axis: &'static str,
+}
 
 /// Tables of a scene.
 impl File {
-    /// Writes `[object]`, with its radius `[m]` and the virtual force on it `[N]`.
-    fn object_table(
+    /// Writes `[[body]]` and `[[contact]]`, with the object's state, its radius `[m]` and the virtual force on it `[N]`.
+    fn body_tables(
         &mut self,
         contact: Contact<f64>,
-        object: ObjectState<f64>,
-        radius: f64,
-        force: f64,
+        (object, radius, force): (ObjectState<f64>, f64, f64),
     ) {
         let Contact {
             stiffness,
             object_mass,
             side,
-            // In `[renderer]`.
+            // In `[render]`.
             unilateral: _,
         } = contact;
-        self.table("object");
-        self.number(
-            "mass_kg",
-            match object_mass {
-                Mass::Finite(mass) => mass,
-                Mass::Infinite => f64::INFINITY,
-            },
-        );
-        self.number("stiffness_n_per_m", stiffness);
-        self.number("position_m", object.position);
-        self.unless_zero("velocity_m_per_s", object.velocity);
-        self.unless_zero("radius_m", radius);
-        self.unless_zero("force_n", force);
-        if side == Side::Negative {
-            self.line("side", "\"negative\"");
+        let sign = side.sign::<f64>();
+        self.table("[[body]]");
+        let name = match object_mass {
+            Mass::Finite(mass) => {
+                self.line("name", "\"object\"");
+                self.axes();
+                self.number("mass_kg", mass);
+                "object"
+            }
+            Mass::Infinite => {
+                self.line("name", "\"wall\"");
+                self.line("fixed", "true");
+                "wall"
+            }
+        };
+        self.vector("position_m", object.position);
+        if object_mass != Mass::Infinite {
+            self.vector_unless_zero("velocity_m_per_s", object.velocity);
+            self.vector_unless_zero("force_n", force);
         }
+        if radius.to_bits() != 0 {
+            self.vector("centre_m", if sign > 0.0 { radius } else { -radius });
+        }
+        let normal = self.along(-sign);
+        self.line(
+            "shape",
+            &format!("{{ half_space = {{ normal = {normal} }} }}"),
+        );
+        self.table("[[contact]]");
+        self.line("between", &format!("[\"device\", \"{name}\"]"));
+        self.number("stiffness_n_per_m", stiffness);
     }
 
-    /// Writes `[device]` and `[hand]`.
+    /// Writes `[[device]]` with its drivetrain and its hand.
     fn device_tables(&mut self, device: &SceneDevice) -> Result<(), Unwritable> {
         match device {
             SceneDevice::PointMass(device) => {
-                self.table("device");
                 self.point_mass(device);
-                self.table("hand");
                 self.hand(&device.hand)
             }
             SceneDevice::Pantograph(device) => self.pantograph(device),
@@ -116,7 +134,7 @@ impl File {
 
     /// Writes `[loop]`, with its period `[s]`.
     fn loop_table(&mut self, period: f64, delay: Delay, timing: &Timing, actuator: ActuatorParams) {
-        self.table("loop");
+        self.table("[loop]");
         self.number("period_s", period);
         self.delay(delay);
         self.timing(timing);
@@ -128,21 +146,15 @@ impl File {
 
     /// Writes `[measure]`.
     fn measure_table(&mut self, measure: &Measure) {
-        self.table("measure");
+        self.table("[measure]");
         match measure {
             Measure::Collisions(count) => self.line("collisions", &count.to_string()),
             Measure::Duration(duration) => self.number("duration_s", *duration),
         }
     }
 
-    /// Writes `[renderer]`, with the device mass that it assumes `[kg]`.
-    fn renderer_table(
-        &mut self,
-        method: MethodName,
-        device_mass: Option<f64>,
-        unilateral: bool,
-        loop_params: LoopParams<f64>,
-    ) {
+    /// Writes `[render]`.
+    fn render_table(&mut self, method: MethodName, unilateral: bool, loop_params: LoopParams<f64>) {
         let LoopParams {
             // In `[loop]`.
             period: _,
@@ -154,9 +166,8 @@ impl File {
             actuation: _,
             guard,
         } = loop_params;
-        self.table("renderer");
+        self.table("[render]");
         self.line("method", &format!("\"{method}\""));
-        self.if_given("device_mass_kg", device_mass);
         if unilateral {
             self.line("unilateral", "true");
         }
@@ -170,12 +181,36 @@ impl File {
 
 /// Parts of tables.
 impl File {
-    fn table(&mut self, name: &str) {
-        self.line_of(format_args!("\n[{name}]"));
+    fn table(&mut self, header: &str) {
+        self.line_of(format_args!("\n{header}"));
     }
 
     fn line(&mut self, key: &str, value: &str) {
         self.line_of(format_args!("{key} = {value}"));
+    }
+
+    /// Writes the axes of a device or a body: one.
+    fn axes(&mut self) {
+        let axis = self.axis;
+        self.line("axes", &format!("[\"{axis}\"]"));
+    }
+
+    /// Returns a vector with this component along the axis.
+    fn along(&self, value: f64) -> String {
+        let parts = ["x", "y", "z"].map(|axis| if axis == self.axis { value } else { 0.0 });
+        format!("{parts:?}")
+    }
+
+    fn vector(&mut self, key: &str, value: f64) {
+        let vector = self.along(value);
+        self.line(key, &vector);
+    }
+
+    /// A vector whose default is 0. That of -0 is not.
+    fn vector_unless_zero(&mut self, key: &str, value: f64) {
+        if value.to_bits() != 0 {
+            self.vector(key, value);
+        }
     }
 
     /// The fewest digits that read back to the same bits.
@@ -204,25 +239,36 @@ impl File {
     }
 
     fn point_mass(&mut self, device: &PointMassDevice) {
-        self.line("kind", "\"point-mass\"");
+        self.table("[[device]]");
+        self.line("name", "\"device\"");
+        self.axes();
         self.number("mass_kg", device.mass);
-        self.unless_zero("position_m", device.position);
-        self.unless_zero("velocity_m_per_s", device.velocity);
-        self.unless_zero("encoder_quantum_m", device.encoder_quantum);
-        self.unless_zero("viscous_n_s_per_m", device.viscous_friction);
-        self.unless_zero("coulomb_n", device.coulomb_friction);
+        self.vector_unless_zero("position_m", device.position);
+        self.vector_unless_zero("velocity_m_per_s", device.velocity);
+        self.unless_zero("quantum_m", device.encoder_quantum);
+        self.unless_zero("noise_m", device.noise);
+        if device.is_rigid()
+            && device.largest_force.is_none()
+            && [device.viscous_friction, device.coulomb_friction]
+                .iter()
+                .all(|friction| friction.to_bits() == 0)
+        {
+            return;
+        }
+        self.table("[device.drivetrain]");
+        self.unless_zero("viscous_friction_n_s_per_m", device.viscous_friction);
+        self.unless_zero("coulomb_friction_n", device.coulomb_friction);
         self.if_given("motor_limit_n", device.largest_force);
         if let Some(transmission) = device.transmission {
             self.number("resonance_hz", transmission.resonance_hz);
             self.number("resonance_damping_ratio", transmission.damping_ratio);
-            self.number("motor_mass_share", transmission.motor_share);
+            self.number("motor_mass_fraction", transmission.motor_share);
             self.unless_zero("backlash_m", transmission.backlash);
         }
         if let Some(cogging) = device.cogging {
             self.number("cogging_n", cogging.amplitude);
             self.number("cogging_pitch_m", cogging.pitch);
         }
-        self.unless_zero("noise_m", device.noise);
     }
 
     fn hand(&mut self, hand: &Hand) -> Result<(), Unwritable> {
@@ -232,11 +278,11 @@ impl File {
             grip,
             release,
         } = hand;
-        match grip {
-            Some(grip) => self.grip(grip)?,
-            None => self.line("kind", "\"constant-force\""),
+        self.table("[device.hand]");
+        self.vector("force_n", *force);
+        if let Some(grip) = grip {
+            self.grip(grip)?;
         }
-        self.number("force_n", *force);
         self.wave(["tremor_n", "tremor_hz"], *tremor);
         self.if_given("release_s", *release);
         Ok(())
@@ -246,12 +292,14 @@ impl File {
         let Intention::Place { position, swing } = grip.intention else {
             return Err(Unwritable("the recorded intention of a hand"));
         };
-        self.line("kind", "\"impedance\"");
         self.number("mass_kg", grip.mass);
         self.number("stiffness_n_per_m", grip.stiffness);
         self.number("damping_n_s_per_m", grip.damping);
-        self.number("position_m", position);
-        self.wave(["swing_m", "swing_hz"], swing);
+        self.vector("rest_m", position);
+        if let Some(swing) = swing {
+            self.vector("swing_m", swing.amplitude);
+            self.number("swing_hz", swing.frequency_hz);
+        }
         Ok(())
     }
 
@@ -269,17 +317,17 @@ impl File {
         let (preset, safety_box) = linkage
             .as_preset()
             .ok_or(Unwritable("the values of a separate device file"))?;
-        self.table("device");
-        self.line("kind", "\"pantograph\"");
-        self.line("preset", &format!("\"{preset}\""));
+        self.table("[[device]]");
+        self.line("name", "\"device\"");
+        self.axes();
+        self.line("linkage", &format!("{{ preset = \"{preset}\" }}"));
         if let Some(SafetyBox { x, y }) = safety_box {
             let bounds = format!("{{ x_m = {x:?}, y_m = {y:?} }}");
             self.line("safety_box", &bounds);
         }
-        self.unless_zero("position_m", *position);
-        self.table("hand");
-        self.line("kind", "\"constant-force\"");
-        self.number("force_n", *force);
+        self.vector_unless_zero("position_m", *position);
+        self.table("[device.hand]");
+        self.vector("force_n", *force);
         if *force_at != HandForceAt::default() {
             self.line("force_at", &format!("\"{}\"", force_at.name()));
         }
@@ -332,7 +380,7 @@ impl File {
         }
     }
 
-    fn model(&mut self, model: &Model) {
+    fn model(&mut self, model: &Model, device_mass: Option<f64>) {
         let Model {
             delay,
             delay_deviation,
@@ -340,20 +388,23 @@ impl File {
             lag_deviation,
             gain,
             gain_deviation,
+            sensor_quantum,
             sensor_noise,
             transmission,
         } = *model;
-        if *model == Model::default() {
+        if *model == Model::default() && device_mass.is_none() {
             return;
         }
-        self.table("model");
+        self.table("[model]");
         self.if_given("delay_s", delay);
         self.if_given("delay_deviation_s", delay_deviation);
         self.if_given("lag_s", lag);
         self.if_given("lag_deviation_s", lag_deviation);
         self.if_given("gain", gain);
         self.if_given("gain_deviation", gain_deviation);
+        self.if_given("sensor_quantum_m", sensor_quantum);
         self.if_given("sensor_noise_m", sensor_noise);
+        self.if_given("device_mass_kg", device_mass);
         if let Some(transmission) = transmission {
             self.number("resonance_hz", transmission.resonance);
             self.number("resonance_damping_ratio", transmission.damping_ratio);
@@ -400,6 +451,6 @@ impl File {
 
     fn line_of(&mut self, line: std::fmt::Arguments) {
         // A string takes every character.
-        let _ = writeln!(self.0, "{line}");
+        let _ = writeln!(self.text, "{line}");
     }
 }

@@ -113,6 +113,7 @@ pub fn model(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Mod
         lag_deviation: of_lag,
         gain: gain.map(|gain| gain.value),
         gain_deviation: gain.and_then(|gain| gain.standard_deviation),
+        sensor_quantum: None,
         sensor_noise: known(Quantity::SensorNoise).map(|noise| noise.value),
         transmission: transmission(calibration, &taken),
     }

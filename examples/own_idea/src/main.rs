@@ -9,7 +9,7 @@ mod method;
 use std::error::Error;
 
 use palpate_plot::figure::{Figure, Kind, Panel, Role, Row, Series, Size, svg};
-use palpate_scene::SceneFile;
+use palpate_scene::ContactFile;
 use palpate_scene::method::MethodName;
 use palpate_study::sim::closed_loop::Bench;
 use palpate_study::sim::run::{Reference, Run};
@@ -20,25 +20,31 @@ use method::LookAheadParams;
 /// A block of 0.3 kg on the joystick, at 200 Hz. The joystick replaces the scene's device; its mass is the model value
 /// of `coupled`.
 const SCENE: &str = r#"
-scene_format = 1
+format = 2
 title = "A block on a joystick, 200 Hz"
-
-[object]
-mass_kg = 0.3
-stiffness_n_per_m = 800.0
-position_m = 0.03
-force_n = -1.0
-
-[device]
-kind = "point-mass"
-mass_kg = 0.2
-
-[hand]
-kind = "constant-force"
-force_n = 1.0
 
 [loop]
 period_s = 0.005
+
+[[device]]
+name = "device"
+axes = ["x"]
+mass_kg = 0.2
+
+[device.hand]
+force_n = [1.0, 0.0, 0.0]
+
+[[body]]
+name = "object"
+axes = ["x"]
+mass_kg = 0.3
+position_m = [0.03, 0.0, 0.0]
+force_n = [-1.0, 0.0, 0.0]
+shape = { half_space = { normal = [-1.0, 0.0, 0.0] } }
+
+[[contact]]
+between = ["device", "object"]
+stiffness_n_per_m = 800.0
 
 [measure]
 duration_s = 1.5
@@ -46,7 +52,7 @@ duration_s = 1.5
 
 /// The ideal, and the runs of all built-in methods and of the one of this example.
 fn runs() -> Result<(Reference, Vec<Run>), Box<dyn Error>> {
-    let scene = SceneFile::parse("own_idea.toml", SCENE)?.scene;
+    let scene = ContactFile::parse("own_idea.toml", SCENE)?.scene;
     let joystick = Joystick {
         mass: 0.2,
         centring_stiffness: 20.0,
@@ -169,7 +175,7 @@ mod tests {
 
     #[test]
     fn an_ahead_of_nothing_is_the_basic_method_bit_for_bit() {
-        let scene = SceneFile::parse("own_idea.toml", SCENE).unwrap().scene;
+        let scene = ContactFile::parse("own_idea.toml", SCENE).unwrap().scene;
         let bench = Bench::new(&scene).unwrap();
         let own = bench.run_own(LookAheadParams { periods: 0.0 }).unwrap();
         let basic = bench.run(MethodName::Basic).unwrap();
@@ -178,7 +184,7 @@ mod tests {
 
     #[test]
     fn a_parameter_outside_its_range_is_named() {
-        let scene = SceneFile::parse("own_idea.toml", SCENE).unwrap().scene;
+        let scene = ContactFile::parse("own_idea.toml", SCENE).unwrap().scene;
         let bench = Bench::new(&scene).unwrap();
         let refused = bench.run_own(LookAheadParams { periods: 2.0 }).unwrap_err();
         assert_eq!(refused.to_string(), "periods is 2, but must be from 0 to 1");

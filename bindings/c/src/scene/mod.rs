@@ -21,9 +21,10 @@ use std::path::Path;
 use std::string::{String, ToString};
 use std::vec::Vec;
 
+use palpate_core::Actuation;
 use palpate_scene::scene_bytes;
 use palpate_scene::world::{
-    Coupling, WorldActuator, WorldFile, WorldRender, WorldScene, WorldTiming,
+    Coupling, WorldActuator, WorldFile, WorldRender, WorldScene, WorldSettings, WorldTiming,
 };
 use palpate_world::{World, WorldError, WorldField, WorldGuard};
 
@@ -96,6 +97,16 @@ pub unsafe extern "C" fn palpate_scene_new(
                 gain: params.gain,
             };
             let said = |number: f64| (number != 0.0).then_some(number);
+            let settings = WorldSettings {
+                damping: said(params.damping),
+                rotational_damping: said(params.rotational_damping),
+                coupling: Coupling {
+                    stiffness: said(params.coupling_stiffness),
+                    mass: said(params.coupling_mass),
+                    rotational_stiffness: said(params.coupling_rotational_stiffness),
+                    inertia: said(params.coupling_inertia),
+                },
+            };
             let scene = WorldScene {
                 title: String::new(),
                 world: World::default(),
@@ -108,17 +119,21 @@ pub unsafe extern "C" fn palpate_scene_new(
                     method: "coupled".to_owned(),
                     device_mass: Vec::new(),
                     device_inertia: Vec::new(),
-                    damping: said(params.damping),
-                    rotational_damping: said(params.rotational_damping),
-                    coupling: Coupling {
-                        stiffness: said(params.coupling_stiffness),
-                        mass: said(params.coupling_mass),
-                        rotational_stiffness: said(params.coupling_rotational_stiffness),
-                        inertia: said(params.coupling_inertia),
-                    },
+                    sensor_quantum: None,
+                    settings: WorldScene::METHODS
+                        .into_iter()
+                        .map(|method| (method, settings))
+                        .collect(),
+                    speed_limit: None,
+                    largest_gap: None,
                     force_limit: None,
                     torque_limit: None,
-                    actuator,
+                    actuation: Actuation {
+                        delay: params.delay,
+                        lag: params.lag,
+                        gain: params.gain,
+                        ..Actuation::default()
+                    },
                     guard: WorldGuard::Off,
                 },
                 duration: DURATION,
@@ -131,7 +146,7 @@ pub unsafe extern "C" fn palpate_scene_new(
     }
 }
 
-/// Creates a scene from a scene file of format 2, to be changed by calls. Otherwise as palpate_scene_new and
+/// Creates a scene from a scene file, to be changed by calls. Otherwise as palpate_scene_new and
 /// palpate_world_open.
 ///
 /// # Safety

@@ -60,7 +60,7 @@ pub(crate) struct ToolDevice {
     pub gives_torque: bool,
 }
 
-/// Creates the world of a scene file of format 2 and stores it in `*world`, or NULL on an error. Free it with
+/// Creates the world of a scene file and stores it in `*world`, or NULL on an error. Free it with
 /// palpate_world_free. Mesh files are searched beside the scene. `params` may be NULL: all defaults.
 ///
 /// # Safety
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn palpate_world_open(
     }
 }
 
-/// Creates a world from the text of a scene of format 2. `name` is the path of the scene for messages, and mesh files
+/// Creates a world from the text of a scene. `name` is the path of the scene for messages, and mesh files
 /// are searched beside it; NULL: the working directory. Otherwise as palpate_world_open.
 ///
 /// # Safety

@@ -24,7 +24,8 @@ static const char SCENE[] =
     "[[body]]\nname = \"floor\"\nfixed = true\n"
     "shape = { half_space = { normal = [0.0, 0.0, 1.0], offset_m = 0.0 } }\n"
     "[[contact]]\nbetween = [\"*\", \"*\"]\nstiffness_n_per_m = 1000.0\n"
-    "[render]\nmethod = \"basic\"\ndevice_mass_kg = 0.2\n";
+    "[model]\ndevice_mass_kg = 0.2\n"
+    "[render]\nmethod = \"basic\"\n";
 
 static void making(void) {
   palpate_world *world = (palpate_world *)1;

@@ -1,6 +1,6 @@
 //! `palpate claims`: recomputes the numbers that the paper claims.
 
-use palpate_scene::{Scene, SceneFile};
+use palpate_scene::{ContactFile, Scene};
 use palpate_study::claims::report::ClaimsReport;
 use palpate_study::claims::{CLAIMS, PaperScenes, check};
 
@@ -30,7 +30,7 @@ pub fn run(arguments: &ClaimsArguments) -> Result<(), Failure> {
     let scenes: Vec<Scene> = SCENES
         .iter()
         .map(|(name, text)| {
-            let file = SceneFile::parse(name, text).map_err(Failure::input)?;
+            let file = ContactFile::parse(name, text).map_err(Failure::input)?;
             Ok(file.scene)
         })
         .collect::<Result<_, Failure>>()?;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use palpate_plot::paper::{self, MEASURED_1, MEASURED_2};
-use palpate_scene::{Linkage, Scene, SceneFile};
+use palpate_scene::{ContactFile, Linkage, Scene};
 use palpate_study::json;
 use palpate_study::report::DrawingReport;
 
@@ -35,7 +35,9 @@ pub fn scene(name: &str) -> Result<Scene, Failure> {
         .iter()
         .find(|(scene, _)| *scene == name)
         .expect("it is one of the scenes");
-    Ok(SceneFile::parse(name, text).map_err(Failure::input)?.scene)
+    Ok(ContactFile::parse(name, text)
+        .map_err(Failure::input)?
+        .scene)
 }
 
 /// A figure with its report.

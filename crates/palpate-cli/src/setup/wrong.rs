@@ -63,7 +63,8 @@ impl Flags {
             | SceneParameter::MotorLimit
             | SceneParameter::Resonance
             | SceneParameter::ResonanceDamping
-            | SceneParameter::MotorMassShare
+            | SceneParameter::MotorMassFraction
+            | SceneParameter::ModelSensorQuantum
             | SceneParameter::Backlash
             | SceneParameter::Cogging
             | SceneParameter::CoggingPitch

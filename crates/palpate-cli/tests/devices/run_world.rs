@@ -163,10 +163,7 @@ fn the_pointer_holds_a_world_and_flags_of_one_contact_are_refused() {
 fn a_limit_of_the_force_holds_in_every_direction() {
     let folder = folder();
     let text = folder.read("ball-on-table.toml");
-    let pressed = text.replace(
-        "hand_force_n = [0.0, 0.0, -1.0]",
-        "hand_force_n = [0.7, 0.4, -3.0]",
-    );
+    let pressed = text.replace("force_n = [0.0, 0.0, -1.0]", "force_n = [0.7, 0.4, -3.0]");
     assert_ne!(pressed, text);
     folder.write("pressed.toml", pressed);
     let command = "record pressed.toml pressed.mcap --fast --duration 1 --safe-force 0.8 --oscillation inf --json";

@@ -195,7 +195,10 @@ fn a_pointer_leads_the_device_of_the_scene() {
     let report = parse(&folder.succeed(rests));
     assert!(report["safety_stop"].is_null(), "{report}");
     assert!(number(&report, "leak_held_j") < 5e-3, "{report}");
-    let weak = live.replace("[device]\n", "[device]\nmotor_limit_n = 0.5\n");
+    let weak = live.replace(
+        "[device.hand]\n",
+        "[device.drivetrain]\nmotor_limit_n = 0.5\n\n[device.hand]\n",
+    );
     assert_ne!(weak, live);
     folder.write("weak.toml", weak);
     let report =

@@ -533,39 +533,33 @@ fn a_resonance_by_flag_bounds_what_is_advised() {
 /// A wall pressed by a hand, in a loop with an unmodelled delay of half a period; only its standard deviation is
 /// modelled.
 const LATE: &str = "\
-scene_format = 1
+format = 2
 title = \"A pressed wall with an untold delay\"
+loop = { period_s = 0.001, delay_s = 0.0005 }
+model = { delay_s = 0, delay_deviation_s = 0.0003 }
+render = { method = \"coupled\" }
+measure = { duration_s = 1 }
 
-[object]
-mass_kg = inf
-stiffness_n_per_m = 20000
-position_m = 0.001
-
-[device]
-kind = \"point-mass\"
+[[device]]
+name = \"device\"
+axes = [\"x\"]
 mass_kg = 0.2
 
-[hand]
-kind = \"impedance\"
+[device.hand]
 mass_kg = 0.05
 stiffness_n_per_m = 300
 damping_n_s_per_m = 3
-position_m = 0.0
-force_n = 2
+force_n = [2, 0, 0]
 
-[loop]
-period_s = 0.001
-delay_s = 0.0005
+[[body]]
+name = \"wall\"
+fixed = true
+position_m = [0.001, 0, 0]
+shape = { half_space = { normal = [-1, 0, 0] } }
 
-[measure]
-duration_s = 1
-
-[renderer]
-method = \"coupled\"
-
-[model]
-delay_s = 0
-delay_deviation_s = 0.0003
+[[contact]]
+between = [\"device\", \"wall\"]
+stiffness_n_per_m = 20000
 ";
 
 #[test]

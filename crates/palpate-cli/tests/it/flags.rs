@@ -386,9 +386,9 @@ fn every_flag_of_a_recording_changes_its_run() {
 fn an_infinite_force_limit_takes_that_of_a_scene_away() {
     let folder = folder();
     let scene = experiment_text("wall");
-    assert!(scene.contains("[renderer]\n"));
-    let limit = "[renderer]\nforce_limit_n = 0.5\n";
-    folder.write("limited.toml", scene.replace("[renderer]\n", limit));
+    assert!(scene.contains("[render]\n"));
+    let limit = "[render]\nforce_limit_n = 0.5\n";
+    folder.write("limited.toml", scene.replace("[render]\n", limit));
     folder.write("scene.toml", scene);
     let leak = |arguments: &str| {
         let report = folder.json(&format!("simulate {arguments}"));

@@ -515,14 +515,33 @@ fn a_scene_says_what_flags_would() {
     let positions: Vec<f64> = taps(0.01, 1.0).iter().map(|&(_, x)| x).collect();
     let input: String = positions.iter().map(|x| format!("{x}\n")).collect();
     let folder = Folder::new();
-    let scene = "scene_format = 1\ntitle = \"A block\"\n\n[object]\nstiffness_n_per_m = 400\n\
-                 mass_kg = 0.1\nposition_m = 0.001\nforce_n = -0.981\n\n[device]\n\
-                 kind = \"point-mass\"\nmass_kg = 0.25\nencoder_quantum_m = 1e-5\n\n[loop]\n\
-                 period_s = 0.01\ndelay_samples = 1\n\n[measure]\nduration_s = 1\n";
+    let scene = r#"format = 2
+title = "A block"
+loop = { period_s = 0.01, delay_samples = 1 }
+measure = { duration_s = 1 }
+
+[[device]]
+name = "device"
+axes = ["x"]
+mass_kg = 0.25
+quantum_m = 1e-5
+
+[[body]]
+name = "block"
+axes = ["x"]
+mass_kg = 0.1
+position_m = [0.001, 0, 0]
+force_n = [-0.981, 0, 0]
+shape = { half_space = { normal = [-1, 0, 0] } }
+
+[[contact]]
+between = ["device", "block"]
+stiffness_n_per_m = 400
+"#;
     folder.write("block.toml", scene);
     folder.write(
         "model.toml",
-        format!("{scene}\n[renderer]\nmethod = \"hfcr\"\ndevice_mass_kg = 0.3\n"),
+        format!("{scene}\n[render]\nmethod = \"hfcr\"\n\n[model]\ndevice_mass_kg = 0.3\n"),
     );
     let flags = "pipe --stiffness 400 --mass 0.1 --object-position 0.001 --force -0.981 \
                  --encoder-quantum 1e-5 --period 0.01 --delay-periods 1";

@@ -56,9 +56,9 @@ fn a_scene_s_own_limits_are_kept() {
     let scene = crate::common::experiment_text("wall");
     assert!(!scene.contains("force_limit_n"));
     let with = |limit: &str| {
-        let limits = format!("[renderer]\n{limit}\n");
-        assert!(scene.contains("[renderer]\n"));
-        folder.write("scene.toml", scene.replace("[renderer]\n", &limits));
+        let limits = format!("[render]\n{limit}\n");
+        assert!(scene.contains("[render]\n"));
+        folder.write("scene.toml", scene.replace("[render]\n", &limits));
         let arguments = "pipe --scene scene.toml --method basic --soft-start 0";
         let answer = folder.palpate_reading("5\n", arguments);
         assert_eq!(answer.code, 0, "{answer:?}");

@@ -422,7 +422,7 @@ fn what_cannot_be_read_or_replayed_is_refused() {
         3,
         &["metadata entry `scene` is missing"],
     );
-    let wrong = RecordingMetadata::new("0.1.0").with("scene", "scene_format = 1\ntitle = 3\n");
+    let wrong = RecordingMetadata::new("0.1.0").with("scene", "format = 2\ntitle = 3\n");
     begin("wrong.mcap", &wrong).finish().unwrap();
     folder.fail("replay wrong.mcap", 3, &["wrong.mcap (scene):2:9"]);
     let scene = crate::common::experiment_text("experiment1");

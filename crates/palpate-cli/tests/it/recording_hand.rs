@@ -11,12 +11,10 @@ fn both_sides() -> [String; 2] {
     let text = crate::common::experiment_text("experiment1");
     let mut mirrored = text.clone();
     for (from, to) in [
-        (
-            "position_m = 0.05",
-            "position_m = -0.05\nside = \"negative\"",
-        ),
-        ("force_n = -0.981", "force_n = 0.981"),
-        ("force_n = 1\n", "force_n = -1\n"),
+        ("position_m = [0.05,", "position_m = [-0.05,"),
+        ("normal = [-1.0,", "normal = [1.0,"),
+        ("force_n = [-0.981,", "force_n = [0.981,"),
+        ("force_n = [1.0,", "force_n = [-1.0,"),
     ] {
         assert_eq!(mirrored.matches(from).count(), 1, "{from}");
         mirrored = mirrored.replace(from, to);
@@ -194,7 +192,7 @@ fn write_again(folder: &Folder, text: &str, run: &Run, change: impl Fn(usize, &m
 fn what_was_sent_acts_after_the_delay_of_the_recorded_loop() {
     let folder = Folder::new();
     let text = both_sides()[0].replace("period_s = 0.02", "period_s = 0.005\ndelay_samples = 2");
-    let scene = palpate_scene::SceneFile::parse("scene", &text)
+    let scene = palpate_scene::ContactFile::parse("scene", &text)
         .unwrap()
         .scene;
     let bench = palpate_study::sim::closed_loop::Bench::new(&scene).unwrap();
@@ -229,8 +227,8 @@ fn what_was_sent_acts_after_the_delay_of_the_recorded_loop() {
 #[test]
 fn the_device_has_the_mass_of_its_scene_or_of_a_flag() {
     let folder = Folder::new();
-    let model = "[renderer]\ndevice_mass_kg = 0.4\n";
-    let text = both_sides()[0].replace("[renderer]\n", model);
+    let model = "[model]\ndevice_mass_kg = 0.4\n\n[render]\n";
+    let text = both_sides()[0].replace("[render]\n", model);
     let run = loop_in(&text, MethodName::Coupled);
     write(&folder.path("tap.mcap"), &text, &run, |_| true);
     let masses = |arguments: &str| {

@@ -1,7 +1,7 @@
 //! `palpate simulate`: a scene in closed loop, its metrics, and flags that override its values.
 
 use crate::common::{Folder, METHODS, experiment, experiment_text, number, of_method};
-use palpate_scene::SceneFile;
+use palpate_scene::ContactFile;
 use palpate_scene::method::MethodName;
 use palpate_study::sim::closed_loop::Bench;
 use serde_json::Value;
@@ -80,7 +80,7 @@ fn every_tick_of_every_method_is_the_library_s_bit_for_bit() {
     let folder = with_scene();
     folder.succeed("simulate scene.toml --method all --out run.csv");
     let run = folder.run_file("run.csv");
-    let scene = SceneFile::parse("scene.toml", &folder.read("scene.toml"))
+    let scene = ContactFile::parse("scene.toml", &folder.read("scene.toml"))
         .unwrap()
         .scene;
     let bench = Bench::new(&scene).unwrap();
@@ -155,18 +155,26 @@ fn a_flag_does_what_an_edit_of_the_scene_does() {
             "stiffness_n_per_m = 100",
             "stiffness_n_per_m = 250",
         ),
-        ("--mass 0.4", "mass_kg = 0.1\nstiff", "mass_kg = 0.4\nstiff"),
-        ("--mass inf", "mass_kg = 0.1\nstiff", "mass_kg = inf\nstiff"),
-        ("--force -0.5", "force_n = -0.981", "force_n = -0.5"),
+        (
+            "--mass 0.4",
+            "mass_kg = 0.1\nposition_m",
+            "mass_kg = 0.4\nposition_m",
+        ),
+        (
+            "--mass inf",
+            "axes = [\"x\"]\nmass_kg = 0.1\nposition_m = [0.1, 0.0, 0.0]\nforce_n = [-0.981, 0.0, 0.0] # weight",
+            "fixed = true\nposition_m = [0.1, 0.0, 0.0]",
+        ),
+        ("--force -0.5", "force_n = [-0.981,", "force_n = [-0.5,"),
         (
             "--object-position 0.05",
-            "position_m = 0.1",
-            "position_m = 0.05",
+            "position_m = [0.1,",
+            "position_m = [0.05,",
         ),
         (
             "--object-velocity -0.3",
-            "position_m = 0.1",
-            "position_m = 0.1\nvelocity_m_per_s = -0.3",
+            "position_m = [0.1,",
+            "velocity_m_per_s = [-0.3, 0.0, 0.0]\nposition_m = [0.1,",
         ),
         ("--period 0.004", "period_s = 0.01", "period_s = 0.004"),
         (
@@ -176,13 +184,13 @@ fn a_flag_does_what_an_edit_of_the_scene_does() {
         ),
         (
             "--device-mass 0.3",
-            "mass_kg = 0.1\n\n[hand]",
-            "mass_kg = 0.3\n\n[hand]",
+            "mass_kg = 0.1\n\n[device.hand]",
+            "mass_kg = 0.3\n\n[device.hand]",
         ),
         (
             "--encoder-quantum 0.003",
-            "mass_kg = 0.1\n\n[hand]",
-            "mass_kg = 0.1\nencoder_quantum_m = 0.003\n\n[hand]",
+            "mass_kg = 0.1\n\n[device.hand]",
+            "mass_kg = 0.1\nquantum_m = 0.003\n\n[device.hand]",
         ),
         ("--method seh", "method = \"hfcr\"", "method = \"seh\""),
         (
@@ -235,9 +243,10 @@ fn a_mirrored_scene_gives_mirrored_forces() {
     let folder = with_scene();
     let text = folder.read("scene.toml");
     let mirrored = text
-        .replace("position_m = 0.1", "position_m = -0.1\nside = \"negative\"")
-        .replace("force_n = -0.981", "force_n = +0.981")
-        .replace("force_n = 0.981", "force_n = -0.981");
+        .replace("position_m = [0.1,", "position_m = [-0.1,")
+        .replace("normal = [-1.0,", "normal = [1.0,")
+        .replace("force_n = [-0.981,", "force_n = [+0.981,")
+        .replace("force_n = [0.981,", "force_n = [-0.981,");
     folder.write("mirrored.toml", mirrored);
     folder.succeed("simulate scene.toml --method all --out plus.csv");
     folder.succeed("simulate mirrored.toml --method all --out minus.csv");
@@ -414,7 +423,7 @@ fn random_parts_state_their_seed_and_several_seeds_give_their_range() {
     // Sensor noise is random in a perfect loop too.
     let text = folder
         .read("scene.toml")
-        .replace("[device]\n", "[device]\nnoise_m = 1e-6\n");
+        .replace("[[device]]\n", "[[device]]\nnoise_m = 1e-6\n");
     folder.write("noisy.toml", text);
     let noisy = folder.json("simulate noisy.toml --seeds 2");
     assert_eq!((&noisy["seed"], &noisy["seeds"]), (&0.into(), &2.into()));
@@ -444,9 +453,9 @@ fn a_recorded_intention_is_looked_for_beside_the_scene() {
     let folder = Folder::new();
     std::fs::create_dir(folder.path("deep")).unwrap();
     let text = experiment_text("fig2").replace(
-        "kind = \"constant-force\"\n",
-        "kind = \"impedance\"\nstiffness_n_per_m = 50\ndamping_n_s_per_m = 1\n\
-         intention = \"hand.csv\"\nrelease_s = 0.5\n",
+        "[device.hand]\n",
+        "[device.hand]\nstiffness_n_per_m = 50\ndamping_n_s_per_m = 1\n\
+         rest_file = \"hand.csv\"\nrelease_s = 0.5\n",
     );
     folder.write("deep/scene.toml", text);
     let answer = folder.palpate("simulate deep/scene.toml");

@@ -7,140 +7,140 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
     (
         "stiffness_n_per_m = 100",
         "stiffness_n_per_m = -100",
-        "8:21",
-        &["object.stiffness_n_per_m is -100 N/m", "greater than 0"],
+        "27:21",
+        &["contact.stiffness_n_per_m is -100 N/m", "greater than 0"],
     ),
     (
         "stiffness_n_per_m = 100",
         "stiffness_n_per_m = nan",
-        "8:21",
-        &["object.stiffness_n_per_m is NaN"],
+        "27:21",
+        &["contact.stiffness_n_per_m is NaN"],
     ),
     (
         "stiffness_n_per_m = 100",
         "stiffness_n_per_m = \"100\"",
-        "8:21",
+        "27:21",
         &["string \"100\""],
     ),
     (
         "stiffness_n_per_m =",
         "stifness_n_per_m =",
-        "8:1",
+        "27:1",
         &[
             "unknown key stifness_n_per_m",
             "did you mean stiffness_n_per_m?",
         ],
     ),
     (
-        "mass_kg = 0.1\nstiff",
-        "mass_kg = 0\nstiff",
-        "7:11",
-        &["object.mass_kg is 0 kg"],
+        "mass_kg = 0.1\nposition_m",
+        "mass_kg = 0\nposition_m",
+        "20:11",
+        &["body.mass_kg is 0 kg"],
     ),
     (
-        "position_m = 0.1",
-        "position_m = inf",
-        "9:14",
-        &["object.position_m is inf m", "finite"],
+        "position_m = [0.1,",
+        "position_m = [inf,",
+        "21:14",
+        &["body.position_m is inf m", "finite"],
     ),
     (
-        "mass_kg = 0.1\n\n[hand]",
-        "mass_kg = inf\n\n[hand]",
-        "14:11",
+        "mass_kg = 0.1\n\n[device.hand]",
+        "mass_kg = inf\n\n[device.hand]",
+        "12:11",
         &["device.mass_kg is inf kg"],
     ),
     (
-        "kind = \"point-mass\"",
-        "kind = \"robot\"",
-        "13:8",
-        &["pantograph", "point-mass"],
+        "mass_kg = 0.1\n\n[device.hand]",
+        "linkage = { preset = \"robot\" }\n\n[device.hand]",
+        "11:8",
+        &["moves along y"],
     ),
     (
-        "kind = \"constant-force\"",
-        "kind = \"spring\"",
-        "17:8",
-        &["constant-force", "impedance"],
+        "[device.hand]",
+        "[device.hand]\ntremor_n = 1",
+        "15:12",
+        &["a tremor needs both"],
     ),
     (
-        "force_n = 0.981",
-        "force_n = nan",
-        "18:11",
-        &["hand.force_n is NaN N", "finite"],
+        "force_n = [0.981,",
+        "force_n = [nan,",
+        "15:11",
+        &["device.hand.force_n is NaN N", "finite"],
     ),
     (
         "period_s = 0.01",
         "period_s = 0",
-        "21:12",
+        "7:12",
         &["loop.period_s is 0 s", "greater than 0"],
     ),
     (
         "period_s = 0.01",
         "period_s = 0.01\ndelay_samples = 5000",
-        "22:17",
+        "8:17",
         &["loop.delay_samples is 5000", "at most 1024"],
     ),
     (
         "period_s = 0.01",
         "period_s = 0.01\ndelay_samples = -1",
-        "22:17",
+        "8:17",
         &["-1"],
     ),
-    ("collisions = 3", "collisions = 0", "24:14", &["at least 1"]),
+    ("collisions = 3", "collisions = 0", "33:14", &["at least 1"]),
     (
         "collisions = 3",
         "duration_s = -1",
-        "24:14",
+        "33:14",
         &["duration_s is -1 s", "greater than 0"],
     ),
     (
         "collisions = 3",
         "duration_s = 1e12",
-        "24:14",
+        "33:14",
         &["100000000000000 periods", "at most 2000000"],
     ),
     (
         "collisions = 3",
         "collisions = 3\nduration_s = 1",
-        "23:1",
-        &["collisions or duration_s"],
+        "34:14",
+        &["either collisions or duration_s"],
     ),
     (
-        "force_n = 0.981",
-        "force_n = -5",
-        "24:14",
+        "force_n = [0.981,",
+        "force_n = [-5,",
+        "33:14",
         &["requires 3 collisions", "has only 0"],
     ),
     (
         "method = \"hfcr\"",
         "method = \"hfrc\"",
-        "27:10",
+        "30:10",
         &["did you mean \"hfcr\"?"],
     ),
     (
         "[methods.popc]",
         "[methods.popd]",
-        "37:10",
+        "43:10",
         &["popd", "did you mean \"popc\"?"],
     ),
     (
         "damping_n_s_per_m = 0.53",
         "damping_n_s_per_m = -0.53",
-        "35:21",
+        "41:21",
         &["damping_n_s_per_m is -0.53 N s/m"],
     ),
     (
         "damping_n_s_per_m = 0.53",
         "damping_cap_n_s_per_m = 1",
-        "35:1",
+        "41:1",
         &["virtual-damper", "popc, popc-ref"],
     ),
     (
-        "scene_format = 1",
-        "scene_format = 2",
-        "3:16",
-        &["scene_format is 2", "reads 1 only"],
+        "format = 2",
+        "format = 3",
+        "3:10",
+        &["format is 3", "must be 2"],
     ),
-    ("scene_format = 1", "", "1:1", &["scene_format"]),
+    ("format = 2", "", "1:1", &["format = 2"]),
 ];
 
 #[test]
@@ -163,19 +163,15 @@ fn a_fault_of_the_scene_is_shown_in_its_line_and_column() {
 #[test]
 fn a_scene_that_is_not_text_is_shown_where_it_stops_to_be() {
     let folder = Folder::new();
-    folder.write("bad.toml", b"scene_format = 1\ntitle = \"\xff\"\n");
+    folder.write("bad.toml", b"format = 2\ntitle = \"\xff\"\n");
     folder.fail(
         "simulate bad.toml",
         3,
         &["error: bad.toml:2:10: ", "0xFF", "UTF-8"],
     );
     folder.write("bad.toml", "");
-    folder.fail(
-        "simulate bad.toml",
-        3,
-        &["error: bad.toml:1:1: ", "scene_format"],
-    );
-    folder.write("bad.toml", "scene_format = 1\ntitle = \n");
+    folder.fail("simulate bad.toml", 3, &["error: bad.toml:1:1: ", "format"]);
+    folder.write("bad.toml", "format = 2\ntitle = \n");
     folder.fail("simulate bad.toml", 3, &["error: bad.toml:2:9: "]);
 }
 
@@ -192,7 +188,7 @@ fn the_line_at_fault_is_drawn() {
     folder.write("bad.toml", text);
     let drawing = [
         "did you mean period_s?",
-        "20 │ [loop]\n21 │ period = 0.01\n",
+        " 6 │ [loop]\n 7 │ period = 0.01\n",
         "━━━━━━ here",
     ];
     folder.fail("simulate bad.toml", 3, &drawing);
@@ -207,7 +203,7 @@ fn a_wrong_value_of_a_setting_is_drawn_at_the_value() {
     folder.fail(
         "simulate bad.toml",
         3,
-        &["35 │ damping_n_s_per_m = -0.53\n   ╰╴                    ━━━━━ here"],
+        &["41 │ damping_n_s_per_m = -0.53\n   ╰╴                    ━━━━━ here"],
     );
 }
 
@@ -235,11 +231,14 @@ fn a_wall_that_the_scene_would_move_is_shown_in_the_scene() {
     let text = experiment_text("fig2");
     folder.write(
         "scene.toml",
-        text.replace("position_m = 0.1", "position_m = 0.1\nvelocity_m_per_s = 1"),
+        text.replace(
+            "position_m = [0.1,",
+            "velocity_m_per_s = [1.0, 0.0, 0.0]\nposition_m = [0.1,",
+        ),
     );
     let words = [
-        "scene.toml:10:20: ",
-        "object.velocity_m_per_s is 1 m/s",
+        "scene.toml:21:20: ",
+        "body.velocity_m_per_s is 1 m/s",
         "0 for a wall",
     ];
     folder.fail("simulate scene.toml --mass inf", 3, &words);

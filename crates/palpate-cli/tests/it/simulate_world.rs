@@ -14,7 +14,7 @@ period_s = 0.001
 name = "tool"
 mass_kg = 0.25
 position_m = [0.004, 0.0, 0.08]
-hand_force_n = [0.0, 0.0, -1.0]
+hand.force_n = [0.0, 0.0, -1.0]
 tool = { sphere = { radius_m = 0.01 } }
 [[body]]
 name = "ball"
@@ -30,8 +30,9 @@ shape = { half_space = { normal = [0.0, 0.0, 1.0] } }
 between = ["*", "*"]
 stiffness_n_per_m = 4000.0
 damping_n_s_per_m = 1.0
-[render]
+[model]
 device_mass_kg = 0.375
+[render]
 [measure]
 duration_s = 0.3
 "#;
@@ -140,7 +141,7 @@ fn where_every_setting_runs_away_softer_ones_are_tried_or_none_is_found() {
     assert_eq!(tuned["found"], false);
     let text = folder.succeed(tune);
     assert!(
-        text.contains("no setting found") && !text.contains("In [render]"),
+        text.contains("no setting found") && !text.contains("In [methods"),
         "{text}"
     );
     let text = folder.succeed("compare stiffest.toml --method virtual-coupling");
@@ -222,7 +223,7 @@ fn invalid_world_is_rejected_with_reason() {
             "format = 2",
             "format = 3",
             3,
-            "wrong.toml:2:10: format is 3; a world with [[device]] and [[body]] needs 2",
+            "wrong.toml:2:10: format is 3, but must be 2",
         ),
         (
             "between = [\"*\", \"*\"]",
@@ -381,7 +382,10 @@ fn compare_takes_the_best_setting_where_the_scene_has_none_and_the_scenes_where_
 
     folder.write(
         "said.toml",
-        BALL.replace("[measure]", "damping_n_s_per_m = 1.25\n[measure]"),
+        BALL.replace(
+            "[measure]",
+            "[methods.virtual-damper]\ndamping_n_s_per_m = 1.25\n[measure]",
+        ),
     );
     let said = folder.json("compare said.toml --method virtual-damper");
     let damper = row(&said, "virtual-damper");
@@ -464,7 +468,7 @@ fn what_the_damper_of_a_joint_takes_is_dissipated() {
             "normal = [0.0, 0.0, 1.0]",
             "normal = [0.0, 0.0, 1.0], offset_m = -1.0",
         )
-        .replace("hand_force_n = [0.0, 0.0, -1.0]", "");
+        .replace("hand.force_n = [0.0, 0.0, -1.0]", "");
     folder.write("slides.toml", slides);
     let taken = |report: &Value| report["dissipated_j"].as_f64().unwrap();
     let report = folder.json("simulate slides.toml");

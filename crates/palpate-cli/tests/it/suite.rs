@@ -500,7 +500,7 @@ fn model_device_mass_may_differ_from_true_mass() {
     folder.write(
         "model.toml",
         crate::common::experiment_text("fig2")
-            .replace("[renderer]", "[renderer]\ndevice_mass_kg = 0.15"),
+            .replace("[render]", "[model]\ndevice_mass_kg = 0.15\n\n[render]"),
     );
     let report = folder.json("simulate model.toml --method hfcr --damping auto --out run.csv");
     let parameters = &of_method(&report, "hfcr")["parameters"];

@@ -177,8 +177,8 @@ fn the_place_of_the_hand_s_force_is_a_flag_and_a_key() {
 fn a_run_of_a_ball_has_its_centre() {
     let folder = Folder::new();
     let ball = experiment_text("fig2").replace(
-        "mass_kg = 0.1\nstiff",
-        "mass_kg = 0.1\nradius_m = 0.01\nstiff",
+        "position_m = [0.1,",
+        "centre_m = [0.01, 0.0, 0.0]\nposition_m = [0.1,",
     );
     folder.write("ball.toml", ball);
     folder.write("point.toml", experiment_text("fig2"));

@@ -187,8 +187,8 @@ fn gaps_samples_without_a_value_and_a_number_that_may_be_cut_off_are_said() {
     folder.write(
         "hand.toml",
         crate::common::experiment_text("wall").replace(
-            "kind = \"constant-force\"\nforce_n = 2\n",
-            "kind = \"impedance\"\nstiffness_n_per_m = 100\nintention = \"gap.csv\"\n",
+            "force_n = [2.0, 0.0, 0.0]\n",
+            "stiffness_n_per_m = 100\nrest_file = \"gap.csv\"\n",
         ),
     );
     folder.fail("simulate hand.toml", 3, &["may be cut off"]);
@@ -198,7 +198,7 @@ fn gaps_samples_without_a_value_and_a_number_that_may_be_cut_off_are_said() {
 fn an_intention_that_no_hand_has_is_doubted() {
     let folder = folder();
     let scene = crate::common::experiment_text("wall");
-    let hand = "kind = \"constant-force\"\nforce_n = 2\n";
+    let hand = "force_n = [2.0, 0.0, 0.0]\n";
     assert!(scene.contains(hand));
     for (file, is_doubted) in [
         ("wrong.csv", true),
@@ -210,8 +210,7 @@ fn an_intention_that_no_hand_has_is_doubted() {
             scene.replace(
                 hand,
                 &format!(
-                    "kind = \"impedance\"\nstiffness_n_per_m = 100\ndamping_n_s_per_m = 2\n\
-                     intention = \"{file}\"\n"
+                    "stiffness_n_per_m = 100\ndamping_n_s_per_m = 2\nrest_file = \"{file}\"\n"
                 ),
             ),
         );
@@ -219,8 +218,8 @@ fn an_intention_that_no_hand_has_is_doubted() {
         // A device that moves by metres exceeds the speed limit: the motors are off for most of the run.
         let code = if is_doubted { 5 } else { 0 };
         assert_eq!(answer.code, code, "{answer:?}");
-        let said =
-            answer.stderr.contains("hand.intention") && answer.stderr.contains("position_mm");
+        let said = answer.stderr.contains("device.hand.rest_file")
+            && answer.stderr.contains("position_mm");
         assert_eq!(said, is_doubted, "{file}: {answer:?}");
     }
 }

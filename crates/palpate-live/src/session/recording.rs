@@ -306,7 +306,7 @@ mod tests {
     #[test]
     fn what_changed_before_the_first_tick_is_written_with_it() {
         let text = include_str!("../../../../experiments/live.toml");
-        let scene = palpate_scene::SceneFile::parse("live.toml", text).unwrap();
+        let scene = palpate_scene::ContactFile::parse("live.toml", text).unwrap();
         let rendering = scene.scene.rendering(scene.scene.method).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("changed.mcap");

@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn what_is_written_is_read() {
         let metadata = RecordingMetadata::new("0.1.0")
-            .with("scene", "scene_format = 1\n")
+            .with("scene", "format = 2\n")
             .with_file("hand.csv", "t_s,position_m\n");
         let record = metadata.to_metadata().unwrap();
         assert_eq!(record.metadata["recording_format"], "2");

@@ -16,7 +16,7 @@
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("tap.mcap");
 //!
-//! let metadata = RecordingMetadata::new("0.1.0").with("scene", "scene_format = 1");
+//! let metadata = RecordingMetadata::new("0.1.0").with("scene", "format = 2");
 //! let mut writer = RecordingWriter::create(&path, &metadata)?;
 //! // Two contacts; a loop that touches one thing has one.
 //! writer.append(&Tick::default(), &[ContactTick::default(), ContactTick::default()])?;

@@ -23,9 +23,9 @@ name = "tool"
 mass_kg = 0.25
 position_m = [0.0, 0.0, 0.011]
 tool = { sphere = { radius_m = 0.01 } }
-hand_stiffness_n_per_m = 200.0
-hand_damping_n_s_per_m = 10.0
-hand_rest_m = [0.0, 0.0, 0.004]
+hand.stiffness_n_per_m = 200.0
+hand.damping_n_s_per_m = 10.0
+hand.rest_m = [0.0, 0.0, 0.004]
 [[body]]
 name = "floor"
 fixed = true

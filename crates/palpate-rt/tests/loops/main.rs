@@ -22,7 +22,7 @@ use palpate_device::{ScriptedDevice, Step};
 use palpate_rt::ControlLoop;
 use palpate_rt::safety::{OscillationParams, SafetyParams};
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, SceneFile, beside};
+use palpate_scene::{ContactFile, Scene, beside};
 use palpate_study::sim::device::SimulatedDevice;
 
 /// Loads a scene of `experiments/`.
@@ -32,7 +32,7 @@ pub(crate) fn scene(name: &str) -> Scene {
         .join(name);
     #[allow(clippy::disallowed_methods, reason = "set-up")]
     let text = std::fs::read_to_string(&path).unwrap();
-    SceneFile::parse_with(name, &text, &mut beside(&path))
+    ContactFile::parse_with(name, &text, &mut beside(&path))
         .unwrap()
         .scene
 }

@@ -1,96 +1,33 @@
-//! Scene files of format 2.
+//! Worlds, read from a file.
 
 mod contact;
+mod refused;
 mod render;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use palpate_core::Range;
+use palpate_core::{Actuation, LARGEST_DELAY, Range};
 use palpate_world::{
-    Body, Contact, Free, IDENTITY, Motion, Quaternion, Shape, Vector, World, WorldField as Field,
-    WorldPart,
+    Body, Contact, Free, IDENTITY, Motion, Shape, World, WorldField as Field, WorldPart,
 };
-use serde::Deserialize;
 use toml::Spanned;
-use toml::de::DeTable;
 
-use self::contact::RawContact;
-use self::render::RawRender;
-use super::device::RawDevice;
-use super::joint::RawJoint;
+use super::device::wrong_body_name;
 use super::place::WorldPlaces;
 use super::shape::{RawShape, unit};
-use super::{WorldActuator, WorldScene, WorldTiming};
-use crate::fault::{SceneError, SceneErrors, Span};
-use crate::{period_question, recover};
+use super::{WorldActuator, WorldRender, WorldScene, WorldTiming};
+use crate::delay::Delay;
+use crate::fault::{Places, SceneError, SceneErrors, Span};
+use crate::model::RawModel;
+use crate::parameter::SceneParameter;
+use crate::period_question;
+use crate::raw::{RawBody, RawScene};
+use crate::scene_file::Tables;
+use crate::timing::RawLoop;
 
-/// Format version of scene files that describe a world.
-pub(crate) const WORLD_FORMAT: i64 = 2;
 /// Default duration of a world `[s]`.
 const DURATION: f64 = 0.5;
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawFile {
-    format: Spanned<i64>,
-    #[serde(default)]
-    title: String,
-    r#loop: RawLoop,
-    #[serde(default)]
-    device: Vec<Spanned<RawDevice>>,
-    #[serde(default)]
-    body: Vec<Spanned<RawBody>>,
-    #[serde(default)]
-    contact: Vec<Spanned<RawContact>>,
-    #[serde(default)]
-    joint: Vec<Spanned<RawJoint>>,
-    #[serde(default)]
-    render: RawRender,
-    #[serde(default)]
-    model: RawModel,
-    #[serde(default)]
-    measure: RawMeasure,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawLoop {
-    period_s: Spanned<f64>,
-    delay_s: Option<Spanned<f64>>,
-    lag_s: Option<Spanned<f64>>,
-    gain: Option<Spanned<f64>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawBody {
-    name: Spanned<String>,
-    #[serde(default)]
-    fixed: bool,
-    mass_kg: Option<Spanned<f64>>,
-    inertia_kg_m2: Option<Spanned<Vector>>,
-    position_m: Option<Spanned<Vector>>,
-    orientation: Option<Spanned<Quaternion>>,
-    velocity_m_per_s: Option<Spanned<Vector>>,
-    angular_velocity_rad_per_s: Option<Spanned<Vector>>,
-    force_n: Option<Spanned<Vector>>,
-    shape: Spanned<RawShape>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct RawModel {
-    delay_s: Option<Spanned<f64>>,
-    lag_s: Option<Spanned<f64>>,
-    gain: Option<Spanned<f64>>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct RawMeasure {
-    duration_s: Option<Spanned<f64>>,
-}
 
 /// A world read from a file, with the spans of its parts.
 #[derive(Clone, Debug)]
@@ -101,38 +38,13 @@ pub struct WorldFile {
     source: String,
     places: WorldPlaces,
     notes: Vec<String>,
+    /// Why it is not one contact along one axis, unless it is.
+    not_one_contact: Option<(Span, String)>,
 }
 
 impl WorldFile {
-    /// Whether the text of a file has the key `format`, and so is a world, of whatever format; `false` too where it is
-    /// no TOML. A scene of one contact has `scene_format`.
-    #[must_use]
-    pub fn is_world_file(source: &str) -> bool {
-        DeTable::parse(source).is_ok_and(|table| {
-            let has = |key: &str| table.get_ref().keys().any(|name| name.get_ref() == key);
-            has("format") && !has("scene_format")
-        })
-    }
-
-    /// Returns whether the text of a file has bodies or several devices, as a world has, but no format.
-    pub(crate) fn lacks_its_format(source: &str) -> bool {
-        DeTable::parse(source).is_ok_and(|table| {
-            let is_list = |key: &str| {
-                let entry = table
-                    .get_ref()
-                    .iter()
-                    .find(|(name, _)| name.get_ref() == key);
-                entry.is_some_and(|(_, value)| value.get_ref().is_array())
-            };
-            let says = table.get_ref().keys().any(|name| {
-                let name: &str = name.get_ref();
-                name == "format" || name == "scene_format"
-            });
-            !says && (is_list("device") || is_list("body"))
-        })
-    }
-
-    /// Reads a world from the text of a file called `name`. Mesh files are read from that file's folder.
+    /// Reads any scene as a world, one contact along one axis included, from the text of a file called `name`. Mesh
+    /// files are read from that file's folder.
     ///
     /// # Errors
     /// All errors, each with its line, its column and the allowed values.
@@ -146,31 +58,46 @@ impl WorldFile {
     /// # Errors
     /// Those of [`parse`](Self::parse).
     pub fn parse_in(name: &str, source: &str, folder: &Path) -> Result<Self, SceneErrors> {
-        let left = recover::read::<RawFile>(source);
+        Self::read((name, source), Tables::read(name, source)?, folder)
+    }
+
+    /// Reads a world from the tables of its file.
+    pub(crate) fn read(
+        (name, source): (&str, &str),
+        tables: Tables,
+        folder: &Path,
+    ) -> Result<Self, SceneErrors> {
+        let why = tables.raw.one_contact().err();
         let mut reading = Reading {
             places: WorldPlaces::default(),
-            faults: left.faults,
+            faults: tables.faults,
             notes: Vec::new(),
             folder: folder.into(),
-            damaged: left.damaged,
-            removed: left.removed,
+            damaged: tables.damaged,
+            removed: tables.removed,
         };
-        let scene = left.read.map(|raw| reading.scene(raw));
+        reading.refuse(&tables.raw, why.as_ref());
+        let scene = reading.scene(tables.raw);
         let at = |(span, message)| SceneError::at(name, source, span, message);
-        match (
-            SceneErrors::new(reading.faults.into_iter().map(at).collect()),
-            scene,
-        ) {
-            (None, Some(scene)) => Ok(Self {
+        match SceneErrors::new(reading.faults.into_iter().map(at).collect()) {
+            None => Ok(Self {
                 scene,
                 name: name.into(),
                 source: source.into(),
                 places: reading.places,
                 notes: reading.notes,
+                not_one_contact: why.map(|why| (why.span, why.reason)),
             }),
-            (Some(errors), _) => Err(errors),
-            (None, None) => unreachable!("an unreadable file has a fault"),
+            Some(errors) => Err(errors),
         }
+    }
+
+    /// Returns the error where one contact along one axis is needed.
+    #[must_use]
+    pub fn not_one_contact(&self) -> SceneErrors {
+        let (span, reason) = self.not_one_contact.clone().unwrap_or_default();
+        let message = format!("one contact along one axis is needed here, but {reason}");
+        SceneErrors::from(SceneError::at(&self.name, &self.source, span, message))
     }
 
     /// Returns one line for each mesh that was read from a file: its size and its omitted parts. Further lines report a
@@ -189,7 +116,7 @@ impl WorldFile {
 }
 
 /// A partially read world, with its source spans and errors.
-pub(super) struct Reading {
+pub(crate) struct Reading {
     pub(super) places: WorldPlaces,
     faults: Vec<(Span, String)>,
     /// Notes on meshes, on a world without contacts or bodies, and on its period.
@@ -207,9 +134,9 @@ impl Reading {
         self.faults.push((span, message.into()));
     }
 
-    fn scene(&mut self, raw: RawFile) -> WorldScene {
-        self.check_format(&raw.format);
-        let timing = self.timing(raw.r#loop, &raw.model);
+    fn scene(&mut self, raw: RawScene) -> WorldScene {
+        let delay = self.delay(&raw.r#loop);
+        let timing = self.timing(raw.r#loop, &raw.model, delay);
         let mut tools = Vec::new();
         let mut devices = Vec::new();
         for (index, device) in raw.device.into_iter().enumerate() {
@@ -240,7 +167,12 @@ impl Reading {
             contacts,
         };
         self.check(&world);
-        let render = self.render(raw.render, raw.model, &devices, timing.actuator);
+        let known = self.known_actuation(delay, &timing);
+        let render = self.render(raw.render, raw.model, &devices, known);
+        let render = WorldRender {
+            settings: self.settings(&raw.methods),
+            ..render
+        };
         let duration = raw.measure.duration_s;
         WorldScene {
             title: raw.title,
@@ -254,19 +186,19 @@ impl Reading {
         }
     }
 
-    /// Rejects another version than that of worlds.
-    fn check_format(&mut self, format: &Spanned<i64>) {
-        if *format.get_ref() != WORLD_FORMAT {
-            let given = format.get_ref();
-            let message = format!(
-                "format is {given}; a world with [[device]] and [[body]] needs {WORLD_FORMAT}"
-            );
-            self.fault(format.span(), message);
+    /// Returns the delay of the loop.
+    fn delay(&mut self, raw: &RawLoop) -> Delay {
+        match raw.delay(&mut Places::<SceneParameter>::default()) {
+            Ok(delay) => delay,
+            Err((span, message)) => {
+                self.fault(span, message);
+                Delay::NONE
+            }
         }
     }
 
     /// Returns period and actuators of the loop. Records the first key of an actuation, the model's or the loop's.
-    fn timing(&mut self, raw: RawLoop, model: &RawModel) -> WorldTiming {
+    fn timing(&mut self, raw: RawLoop, model: &RawModel, delay: Delay) -> WorldTiming {
         self.places
             .take(WorldPart::Loop, Field::Period, raw.period_s.clone());
         let period = self.number("period_s", raw.period_s.clone(), Range::Positive);
@@ -284,19 +216,58 @@ impl Reading {
             self.places
                 .take(WorldPart::Loop, Field::Actuation, delay.clone());
         }
-        let RawLoop {
-            delay_s,
-            lag_s,
-            gain,
-            ..
-        } = raw;
-        let perfect = WorldActuator {
-            delay: 0.0,
-            lag: 0.0,
-            gain: 1.0,
+        let lag = raw
+            .lag_s
+            .map_or(0.0, |lag| self.number("lag_s", lag, Range::NotNegative));
+        let gain = raw
+            .gain
+            .map_or(1.0, |gain| self.number("gain", gain, Range::Positive));
+        if let Some(delay) = raw.delay_s {
+            self.number("delay_s", delay, Range::NotNegative);
+        }
+        if let Some(fraction) = raw.delay_fraction
+            && !(0.0..1.0).contains(fraction.get_ref())
+        {
+            let message = format!(
+                "delay_fraction is {} periods, but must be from 0 to below 1",
+                fraction.get_ref()
+            );
+            self.fault(fraction.span(), message);
+        }
+        WorldTiming {
+            period,
+            actuator: WorldActuator {
+                delay: delay.time(period),
+                lag,
+                gain,
+            },
+        }
+    }
+
+    /// Returns the model of the true actuators: without a fraction of a period, which no model knows, and with at most
+    /// the longest delay that a renderer models.
+    fn known_actuation(&mut self, delay: Delay, timing: &WorldTiming) -> Actuation<f64> {
+        let known = match delay {
+            Delay::Periods { samples, .. } => Delay::samples(samples),
+            Delay::Seconds(_) => delay,
         };
-        let actuator = self.actuator([delay_s, lag_s, gain], perfect);
-        WorldTiming { period, actuator }
+        let (known, longest) = (
+            known.time(timing.period),
+            LARGEST_DELAY as f64 * timing.period,
+        );
+        if known > longest * (1.0 + 1e-9) {
+            let note = format!(
+                "the renderer models at most {LARGEST_DELAY} periods of delay, {longest} s; the rest of {known} s is \
+                 unmodelled"
+            );
+            self.notes.push(note);
+        }
+        Actuation {
+            delay: known.min(longest),
+            lag: timing.actuator.lag,
+            gain: timing.actuator.gain,
+            ..Actuation::default()
+        }
     }
 
     /// Rejects what is wrong between the parts of a world.
@@ -314,22 +285,6 @@ impl Reading {
             if !self.faults.iter().any(|(other, _)| *other == span) {
                 self.fault(span, error.to_string());
             }
-        }
-    }
-
-    /// Returns delay, lag and gain, each with a default from `otherwise`.
-    fn actuator(
-        &mut self,
-        [delay, lag, gain]: [Option<Spanned<f64>>; 3],
-        otherwise: WorldActuator,
-    ) -> WorldActuator {
-        let mut or = |key, value: Option<Spanned<f64>>, otherwise, range| {
-            value.map_or(otherwise, |value| self.number(key, value, range))
-        };
-        WorldActuator {
-            delay: or("delay_s", delay, otherwise.delay, Range::NotNegative),
-            lag: or("lag_s", lag, otherwise.lag, Range::NotNegative),
-            gain: or("gain", gain, otherwise.gain, Range::Positive),
         }
     }
 
@@ -390,21 +345,13 @@ impl Reading {
         let span = raw.span();
         self.places.part(place, span.clone());
         let raw = raw.into_inner();
-        let moves = [
-            (
-                "inertia_kg_m2",
-                raw.inertia_kg_m2.as_ref().map(Spanned::span),
-            ),
-            (
-                "velocity_m_per_s",
-                raw.velocity_m_per_s.as_ref().map(Spanned::span),
-            ),
-            (
-                "angular_velocity_rad_per_s",
-                raw.angular_velocity_rad_per_s.as_ref().map(Spanned::span),
-            ),
-            ("force_n", raw.force_n.as_ref().map(Spanned::span)),
-        ];
+        if raw.fixed {
+            for (key, span) in raw.keys_of_motion() {
+                if let Some(span) = span {
+                    self.fault(span, format!("a fixed body has no {key}"));
+                }
+            }
+        }
         let motion = match (raw.fixed, raw.mass_kg) {
             (false, Some(mass)) => {
                 let free = Free {
@@ -422,18 +369,9 @@ impl Reading {
                 };
                 Motion::Free(free)
             }
-            (true, None) => {
-                for (key, span) in moves {
-                    if let Some(span) = span {
-                        self.fault(span, format!("a fixed body has no {key}"));
-                    }
-                }
-                Motion::Fixed
-            }
-            (true, Some(mass)) => {
-                self.fault(mass.span(), "a fixed body has no mass_kg");
-                Motion::Fixed
-            }
+            (true, _) => Motion::Fixed,
+            // It has been refused, or the file has other faults.
+            (false, _) if raw.axes.is_some() => Motion::Fixed,
             (false, None) => {
                 // A key that was at fault may have been meant to be one of these.
                 if !self.damaged.contains(&format!("body.{index}")) {
@@ -447,8 +385,7 @@ impl Reading {
             let orientation = self.places.take(place, Field::Orientation, orientation);
             unit(orientation)
         });
-        if raw.name.get_ref().contains(char::is_control) {
-            let message = "a body's name must have no control character";
+        if let Some(message) = wrong_body_name(raw.name.get_ref()) {
             self.fault(raw.name.span(), message);
         }
         let name = self.places.take(place, Field::Name, raw.name);

@@ -2,26 +2,16 @@
 
 use palpate_core::Range;
 use palpate_world::{WorldField, WorldGuard, WorldGuardParams, WorldPart};
-use serde::Deserialize;
 use toml::Spanned;
 
 use super::file::Reading;
 use crate::guard::{GUARD_SPEED, GuardMode};
+use crate::render_key::RawGuard;
 
 /// Default angular speed of a guard `[rad/s]`: a brisk wrist.
 pub const GUARD_TURNING: f64 = 10.0;
 /// Allowance of a world's guard where none is stated `[J]`.
 pub const WORLD_GUARD_ALLOWANCE: f64 = 0.05;
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawGuard {
-    mode: GuardMode,
-    speed_m_per_s: Option<Spanned<f64>>,
-    turning_rad_per_s: Option<Spanned<f64>>,
-    allowance_j: Option<Spanned<f64>>,
-    late_samples: Option<Spanned<usize>>,
-}
 
 impl GuardMode {
     /// The guard of a world by this mode.

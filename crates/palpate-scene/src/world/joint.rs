@@ -19,7 +19,7 @@ enum RawKind {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawJoint {
+pub(crate) struct RawJoint {
     kind: RawKind,
     between: Spanned<[String; 2]>,
     point_m: Option<Spanned<Vector>>,
@@ -38,7 +38,7 @@ pub(super) struct RawJoint {
 }
 
 impl Reading {
-    pub(super) fn joint(&mut self, index: usize, raw: Spanned<RawJoint>, bodies: &[Body]) -> Joint {
+    pub(crate) fn joint(&mut self, index: usize, raw: Spanned<RawJoint>, bodies: &[Body]) -> Joint {
         let place = WorldPart::Joint(index);
         self.places.part(place, raw.span());
         let raw = raw.into_inner();

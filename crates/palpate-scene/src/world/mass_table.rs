@@ -9,14 +9,14 @@ use super::file::Reading;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawMassTable {
+pub(crate) struct RawMassTable {
     places_m: Spanned<Vec<Vec<f64>>>,
     mass_kg: Spanned<Vec<Vec<f64>>>,
 }
 
 impl Reading {
     /// The tool, moved by a device with that table, and the masses along its axes at the start.
-    pub(super) fn with_mass_table(
+    pub(crate) fn with_mass_table(
         &mut self,
         tool: Tool,
         raw: RawMassTable,

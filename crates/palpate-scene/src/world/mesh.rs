@@ -19,7 +19,7 @@ const MAX_CELLS: u32 = 288;
 /// contacts with shapes other than spheres.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawMesh {
+pub(crate) struct RawMesh {
     file: Option<String>,
     unit: Option<Unit>,
     scale: Option<Scale>,
@@ -102,7 +102,7 @@ impl Scale {
 }
 
 /// A mesh, with a note for the user.
-pub(super) struct ReadMesh {
+pub(crate) struct ReadMesh {
     pub shape: Shape,
     /// For a mesh from a file, its size; for a user-made mesh, its omitted parts and whether it is open.
     pub note: Option<String>,
@@ -195,7 +195,7 @@ fn turn(faces: &mut [[u32; 3]]) {
 /// Keys of a convex hull: one of `points_m`, `prism` and `file`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawHull {
+pub(crate) struct RawHull {
     points_m: Option<Vec<Vector>>,
     prism: Option<RawPrism>,
     file: Option<String>,

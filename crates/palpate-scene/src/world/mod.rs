@@ -1,25 +1,29 @@
-//! Worlds: several devices, bodies and contacts in space, as a user writes them in a scene file of format 2.
+//! Scenes that the world renderer renders: several devices, bodies and contacts in space.
 
-mod device;
+pub(crate) mod device;
 mod file;
 mod guard;
-mod joint;
-mod mass_table;
+mod hand;
+pub(crate) mod joint;
+pub(crate) mod mass_table;
 mod mesh;
 mod mesh_contact;
 mod numbers;
 mod obj;
-mod pair;
-mod per_axis;
+pub(crate) mod pair;
+pub(crate) mod per_axis;
 mod place;
 mod rendering;
-mod shape;
+pub(crate) mod shape;
 mod stl;
 
 pub use file::WorldFile;
 pub use guard::{GUARD_TURNING, WORLD_GUARD_ALLOWANCE, usual_guard};
 pub use rendering::WorldSettings;
 
+use std::collections::HashMap;
+
+use palpate_core::Actuation;
 use palpate_world::{Quaternion, Vector, World, WorldGuard};
 
 /// A closed loop of devices and a world, to simulate or to render.
@@ -188,18 +192,20 @@ pub struct WorldRender {
     pub device_mass: Vec<Vector>,
     /// Model value of the moments of inertia of each six-axis device `[kg m^2]`; by default the true ones.
     pub device_inertia: Vec<Option<Vector>>,
-    /// Damping of the methods that damp `[N s/m]`.
-    pub damping: Option<f64>,
-    /// Rotational damping of the methods that damp `[N m s/rad]`.
-    pub rotational_damping: Option<f64>,
-    /// The virtual coupling.
-    pub coupling: Coupling,
+    /// Model value of the quantum of the position sensors `[m]`; `None`: the largest of the true ones.
+    pub sensor_quantum: Option<f64>,
+    /// Settings of the methods for comparison, by their names; one without an entry has none.
+    pub settings: HashMap<&'static str, WorldSettings>,
+    /// Largest speed of a device that is believed `[m/s]`; `None`: the default of the loop.
+    pub speed_limit: Option<f64>,
+    /// Longest time between two samples that is bridged `[s]`; `None`: the default of the loop.
+    pub largest_gap: Option<f64>,
     /// Largest force on each device, as a length `[N]`.
     pub force_limit: Option<f64>,
     /// Largest torque on each device, as a length `[N m]`.
     pub torque_limit: Option<f64>,
-    /// Model values of the actuators; by default the true ones.
-    pub actuator: WorldActuator,
+    /// Model of the actuators; by default the true delay, lag and gain, without a fraction of a period.
+    pub actuation: Actuation<f64>,
     /// Bound on the energy that the forces on all devices give out.
     pub guard: WorldGuard,
 }

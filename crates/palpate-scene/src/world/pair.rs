@@ -8,7 +8,7 @@ use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
 
 /// Two names, each of which may be "*" for any; or "*" alone for any pair.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Pair(pub [Party; 2]);
+pub(crate) struct Pair(pub [Party; 2]);
 
 fn party(name: String) -> Party {
     match name.as_str() {

@@ -2,14 +2,14 @@
 
 use std::fmt;
 
-use palpate_world::Vector;
+use palpate_world::{Shape, Tool, Vector};
 use serde::Deserialize;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
 /// One number for all axes, or one for each axis of a device, in the order in which it has them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum PerAxis {
+pub(crate) enum PerAxis {
     All(f64),
     /// A value for each of this number of axes.
     Each(usize, Vector),
@@ -83,7 +83,7 @@ impl<'de> Deserialize<'de> for PerAxis {
 
 /// Axes of a device: world axes by name, in the order x, y, z, or directions of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct DeviceAxes {
+pub(crate) struct DeviceAxes {
     /// Available axes.
     pub has: [bool; 3],
     /// Unit vectors at right angles; `None` for the world's axes.
@@ -96,7 +96,55 @@ impl DeviceAxes {
         has: [true; 3],
         own: None,
     };
+
+    /// The axis y of the world.
+    pub const Y: Self = Self {
+        has: [false, true, false],
+        own: None,
+    };
+
+    /// Returns the error of the vector `given` under `key` if it has a component along an axis that is missing, other
+    /// than that of `held`.
+    pub fn refused(&self, key: &str, given: Vector, held: Vector) -> Option<String> {
+        let lacking = (0..3).filter(|&axis| !self.has[axis]);
+        if let Some(own) = &self.own {
+            let beyond = |axis: usize| {
+                let parts = own[axis].iter().zip(given.iter().zip(held));
+                parts
+                    .map(|(of, (given, held))| of * (given - held))
+                    .sum::<f64>()
+            };
+            let off = lacking.map(beyond).fold(0.0, |a: f64, b: f64| a.hypot(b));
+            let size = given
+                .iter()
+                .chain(&held)
+                .fold(0.0, |most: f64, part| most.max(part.abs()));
+            return (off > MAX_BEYOND * size).then(|| {
+                format!(
+                    "{key} has a component of {off} along an axis that is not in the `axes` of the device: its \
+                     mechanism blocks that axis; give components along its axes only"
+                )
+            });
+        }
+        let mut wrong = lacking.filter(|&axis| given[axis] != held[axis]);
+        let axis = wrong.next()?;
+        let name = ["x", "y", "z"][axis];
+        let names = Tool {
+            axes: self.has,
+            ..Tool::new("", Shape::Sphere { radius: 0.0 })
+        }
+        .names_of_axes();
+        Some(format!(
+            "{key} is {} along {name}, but the `axes` of the device are {names} only: its mechanism blocks {name}; \
+             write {} there",
+            given[axis], held[axis]
+        ))
+    }
 }
+
+/// Largest component of a vector outside the axes of its device, relative to its largest component: decimal fractions
+/// are rounded.
+const MAX_BEYOND: f64 = 1e-6;
 
 /// One axis of a device, as read from a file.
 enum Axis {

@@ -8,7 +8,7 @@ use toml::Spanned;
 
 /// Span of each field of each part of a world.
 #[derive(Clone, Debug, Default)]
-pub(super) struct WorldPlaces {
+pub(crate) struct WorldPlaces {
     parts: HashMap<WorldPart, Range<usize>>,
     fields: HashMap<(WorldPart, WorldField), Range<usize>>,
 }

@@ -1,18 +1,17 @@
 //! Construction of a world's renderer from its scene.
 
-use palpate_core::Actuation;
 use palpate_world::{
     BasicParams, CoupledParams, GodObjectParams, Tool, VirtualCouplingParams, WorldError,
     WorldField, WorldGuard, WorldLoop, WorldMethod, WorldPart, WorldRenderer,
 };
 
-use super::{Coupling, WorldActuator, WorldRender, WorldScene};
+use super::{Coupling, WorldRender, WorldScene};
 use crate::method::nearest;
 
-/// Settings of the methods for comparison, the same for every device.
+/// Settings of a method for comparison, the same for every device.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorldSettings {
-    /// Damping of the methods that damp `[N s/m]`.
+    /// Damping `[N s/m]`.
     pub damping: Option<f64>,
     /// Rotational damping `[N m s/rad]`.
     pub rotational_damping: Option<f64>,
@@ -118,14 +117,14 @@ impl WorldScene {
         "coupled",
     ];
 
-    /// Returns the settings of the methods for comparison; missing keys are `None`.
+    /// Returns the settings of the method of that name; missing keys are `None`.
     #[must_use]
-    pub fn settings(&self) -> WorldSettings {
-        WorldSettings {
-            damping: self.render.damping,
-            rotational_damping: self.render.rotational_damping,
-            coupling: self.render.coupling,
-        }
+    pub fn settings(&self, method: &str) -> WorldSettings {
+        self.render
+            .settings
+            .get(method)
+            .copied()
+            .unwrap_or_default()
     }
 
     /// Returns the scene with position-driven devices that follow a recorded motion. The renderer's model has infinite
@@ -180,14 +179,12 @@ impl WorldScene {
     /// Returns the renderer's model of the loop.
     #[must_use]
     pub fn loop_params(&self) -> WorldLoop {
-        let WorldActuator { delay, lag, gain } = self.render.actuator;
-        let actuation = Actuation {
-            delay,
-            lag,
-            gain,
-            ..Actuation::default()
+        let usual = WorldLoop::new(self.timing.period).with_actuation(self.render.actuation);
+        let loop_params = WorldLoop {
+            speed_limit: self.render.speed_limit.or(usual.speed_limit),
+            largest_gap: self.render.largest_gap.or(usual.largest_gap),
+            ..usual
         };
-        let loop_params = WorldLoop::new(self.timing.period).with_actuation(actuation);
         let each =
             |limit: Option<f64>| limit.map_or(Vec::new(), |limit| vec![limit; self.devices.len()]);
         loop_params
@@ -207,7 +204,7 @@ impl WorldScene {
             }
         }
         let feels_torque = self.world.tools.iter().any(Tool::feels_torque);
-        let settings = self.settings();
+        let settings = self.settings(name);
         if let Some(method) = settings.method(name, self.devices.len(), feels_torque)? {
             return Ok(method);
         }
@@ -215,6 +212,7 @@ impl WorldScene {
             "coupled" => {
                 let quanta = self.devices.iter().flat_map(|device| device.quantum);
                 let quantum = quanta.fold(0.0, f64::max);
+                let quantum = self.render.sensor_quantum.unwrap_or(quantum);
                 let params = CoupledParams::new(self.render.device_mass.clone());
                 let turnings = self.devices.iter().filter_map(|device| device.turning);
                 let angle = turnings.map(|turning| turning.quantum).fold(0.0, f64::max);

@@ -10,7 +10,7 @@ use super::mesh::{RawHull, RawMesh, ReadMesh};
 /// A shape by its name; lengths as one measures them, from side to side.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub(super) enum RawShape {
+pub(crate) enum RawShape {
     Sphere {
         radius_m: f64,
     },
@@ -38,13 +38,18 @@ pub(super) enum RawShape {
 /// A sphere of a tool that has several.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawSphere {
+pub(crate) struct RawSphere {
     centre_m: Vector,
     #[serde(default)]
     radius_m: f64,
 }
 
 impl RawShape {
+    /// Whether it is a point: a sphere of radius 0.
+    pub fn is_point(&self) -> bool {
+        matches!(self, Self::Sphere { radius_m } if *radius_m == 0.0)
+    }
+
     /// Its lengths, each with its key: all have to be above 0.
     pub fn lengths(&self) -> Vec<(&'static str, f64)> {
         match *self {
@@ -99,7 +104,7 @@ impl RawShape {
 
 /// Returns the vector scaled to length 1. A vector without direction is returned unchanged; the checks of a world
 /// reject it.
-pub(super) fn unit<const N: usize>(vector: [f64; N]) -> [f64; N] {
+pub(crate) fn unit<const N: usize>(vector: [f64; N]) -> [f64; N] {
     // The largest part first, so that no square overflows or vanishes.
     let largest = vector
         .iter()

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use palpate_scene::method::MethodName;
-use palpate_scene::{HandForceAt, Linkage, Scene, SceneFile, beside};
+use palpate_scene::{ContactFile, HandForceAt, Linkage, Scene, beside};
 use palpate_study::sim::closed_loop::Bench;
 
 /// A good file with every key there is.
@@ -57,27 +57,34 @@ y_m = [-0.05, 0.06]
 "#;
 
 /// A scene with a linkage; `DEVICE` is replaced by its keys.
-const SCENE: &str = r#"scene_format = 1
+const SCENE: &str = r#"format = 2
 title = "a block"
-
-[object]
-mass_kg = 0.1
-stiffness_n_per_m = 400
-position_m = 0.02
-force_n = -0.981
-
-[device]
-kind = "pantograph"
-DEVICE
-
-[hand]
-force_n = 1
 
 [loop]
 period_s = 0.01
 
 [measure]
 duration_s = 0.5
+
+[[device]]
+name = "device"
+axes = ["y"]
+DEVICE
+
+[device.hand]
+force_n = [0.0, 1.0, 0.0]
+
+[[body]]
+name = "object"
+axes = ["y"]
+mass_kg = 0.1
+position_m = [0.0, 0.02, 0.0]
+force_n = [0.0, -0.981, 0.0]
+shape = { half_space = { normal = [0.0, -1.0, 0.0] } }
+
+[[contact]]
+between = ["device", "object"]
+stiffness_n_per_m = 400
 "#;
 
 fn devices() -> PathBuf {
@@ -101,7 +108,7 @@ fn scene(keys: &str, device: &str) -> Result<Scene, String> {
     std::fs::write(folder.join("small.toml"), device).unwrap();
     let path = folder.join("scene.toml");
     let text = SCENE.replace("DEVICE", keys);
-    let read = SceneFile::parse_with(&path.display().to_string(), &text, &mut beside(&path));
+    let read = ContactFile::parse_with(&path.display().to_string(), &text, &mut beside(&path));
     std::fs::remove_dir_all(&folder).unwrap();
     let shown = folder.display().to_string();
     read.map(|file| file.scene)
@@ -310,7 +317,7 @@ fn links_without_inertia_need_a_rotor() {
 
 #[test]
 fn a_scene_finds_its_device_file_beside_itself() {
-    let from_file = scene("file = \"small.toml\"", GOOD).unwrap();
+    let from_file = scene("linkage.file = \"small.toml\"", GOOD).unwrap();
     let device = &from_file.device.pantograph().unwrap().linkage;
     assert_eq!(*device, Linkage::parse("small.toml", GOOD).unwrap());
     assert_eq!(
@@ -319,54 +326,63 @@ fn a_scene_finds_its_device_file_beside_itself() {
     );
     // The same numbers as the preset, read from the preset's own file.
     let haply = std::fs::read_to_string(devices().join("haply-2diy-gen3.toml")).unwrap();
-    let copied = scene("file = \"small.toml\"", &haply).unwrap();
-    let preset = scene("preset = \"2diy-gen3\"", "").unwrap();
+    let copied = scene("linkage.file = \"small.toml\"", &haply).unwrap();
+    let preset = scene("linkage.preset = \"2diy-gen3\"", "").unwrap();
     assert_eq!(copied, preset);
 }
 
 #[test]
 fn a_device_file_that_is_missing_or_bad_is_named() {
     let error = |keys: &str, device: &str| scene(keys, device).unwrap_err();
-    let missing = error("file = \"other.toml\"", GOOD);
+    let missing = error("linkage.file = \"other.toml\"", GOOD);
     assert!(
         missing.starts_with(
-            "FOLDER/scene.toml:12:8: the device file FOLDER/other.toml cannot be read: No such file"
+            "FOLDER/scene.toml:13:16: the device file FOLDER/other.toml cannot be read: No such file"
         ),
         "{missing}"
     );
     assert_eq!(
         error(
-            "file = \"small.toml\"",
+            "linkage.file = \"small.toml\"",
             &edited("base_m = 0.05", "base_m = -1")
         ),
         "FOLDER/small.toml:8:10: base_m is -1, but must be finite and at least 0 m"
     );
     assert_eq!(
-        error("preset = \"paper-like\"\nfile = \"small.toml\"", GOOD),
-        "FOLDER/scene.toml:13:8: a device has a preset or a file, not both"
-    );
-    assert_eq!(
-        error("file = \"small.toml\"\nposition_m = 0.5", GOOD),
-        "FOLDER/scene.toml:13:14: device position = 0.5 is not allowed; allowed: within the linkage's reach"
-    );
-    assert_eq!(
-        error("file = \"small.toml\"\nposition_m = -0.055", GOOD),
-        "FOLDER/scene.toml:13:14: device.position_m is -0.055 m, but must be inside the safety box of the device"
+        error(
+            "linkage.preset = \"paper-like\"\nlinkage.file = \"small.toml\"",
+            GOOD
+        ),
+        "FOLDER/scene.toml:14:16: a linkage has a preset or a file, not both"
     );
     assert_eq!(
         error(
-            "file = \"small.toml\"\nsafety_box = { y_m = [-0.1, -0.05] }",
+            "linkage.file = \"small.toml\"\nposition_m = [0.0, 0.5, 0.0]",
             GOOD
         ),
-        "FOLDER/scene.toml:13:22: y_m is [-0.1, -0.05], but must be one bound below 0 and one above: \
+        "FOLDER/scene.toml:14:14: device position = 0.5 is not allowed; allowed: within the linkage's reach"
+    );
+    assert_eq!(
+        error(
+            "linkage.file = \"small.toml\"\nposition_m = [0.0, -0.055, 0.0]",
+            GOOD
+        ),
+        "FOLDER/scene.toml:14:14: device.position_m is -0.055 m, but must be inside the safety box of the device"
+    );
+    assert_eq!(
+        error(
+            "linkage.file = \"small.toml\"\nsafety_box = { y_m = [-0.1, -0.05] }",
+            GOOD
+        ),
+        "FOLDER/scene.toml:14:22: y_m is [-0.1, -0.05], but must be one bound below 0 and one above: \
          bounds are relative to home, which is inside"
     );
-    let text = SCENE.replace("DEVICE", "file = \"small.toml\"");
+    let text = SCENE.replace("DEVICE", "linkage.file = \"small.toml\"");
     assert_eq!(
-        SceneFile::parse("scene.toml", &text)
+        ContactFile::parse("scene.toml", &text)
             .unwrap_err()
             .to_string(),
-        "scene.toml:12:8: the device file small.toml cannot be read: this scene is read without \
+        "scene.toml:13:16: the device file small.toml cannot be read: this scene is read without \
          other files"
     );
 }
@@ -374,22 +390,22 @@ fn a_device_file_that_is_missing_or_bad_is_named() {
 #[test]
 fn a_scene_on_a_preset_is_written_with_its_box_and_one_on_a_file_is_not() {
     for keys in [
-        "preset = \"2diy-gen1\"",
-        "preset = \"paper-like\"\nposition_m = 0.001",
-        "preset = \"paper-like\"\nsafety_box = { y_m = [-0.05, 0.006] }",
-        "preset = \"2diy-gen3\"\nsafety_box = { x_m = [-0.1, 0.01], y_m = [-0.05, inf] }",
+        "linkage.preset = \"2diy-gen1\"",
+        "linkage.preset = \"paper-like\"\nposition_m = [0.0, 0.001, 0.0]",
+        "linkage.preset = \"paper-like\"\nsafety_box = { y_m = [-0.05, 0.006] }",
+        "linkage.preset = \"2diy-gen3\"\nsafety_box = { x_m = [-0.1, 0.01], y_m = [-0.05, inf] }",
     ] {
         let read = scene(keys, "").unwrap();
         let written = read.to_toml().unwrap();
-        let again = SceneFile::parse("written", &written).unwrap_or_else(|e| panic!("{e}"));
+        let again = ContactFile::parse("written", &written).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(again.scene, read, "{written}");
         let mut in_motors = read;
         in_motors.device.pantograph_mut().unwrap().force_at = HandForceAt::Motors;
         let written = in_motors.to_toml().unwrap();
-        let again = SceneFile::parse("written", &written).unwrap_or_else(|e| panic!("{e}"));
+        let again = ContactFile::parse("written", &written).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(again.scene, in_motors, "{written}");
     }
-    let own = scene("file = \"small.toml\"", GOOD).unwrap();
+    let own = scene("linkage.file = \"small.toml\"", GOOD).unwrap();
     assert_eq!(
         own.to_toml().unwrap_err().to_string(),
         "a scene file cannot contain the values of a separate device file"
@@ -399,13 +415,13 @@ fn a_scene_on_a_preset_is_written_with_its_box_and_one_on_a_file_is_not() {
 #[test]
 fn leaving_the_safety_box_ends_the_forces_and_is_reported() {
     // A wide box is left by neither; in the scene's own narrow one both end.
-    let wide = scene("preset = \"paper-like\"", "").unwrap();
+    let wide = scene("linkage.preset = \"paper-like\"", "").unwrap();
     let bench = Bench::new(&wide).unwrap();
     assert_eq!(bench.reference().leaves_box_at, None);
     let free = bench.run(MethodName::Basic).unwrap();
     assert_eq!(free.left_box_at, None);
 
-    let narrow = "preset = \"paper-like\"\nsafety_box = { y_m = [-0.05, 0.006] }";
+    let narrow = "linkage.preset = \"paper-like\"\nsafety_box = { y_m = [-0.05, 0.006] }";
     let narrow = scene(narrow, "").unwrap();
     let bench = Bench::new(&narrow).unwrap();
     // The ideal has no box; it is the same, and tells where it would have left it.

@@ -6,7 +6,7 @@ use crate::sim::replay::{Replay, ReplayError, ReplaySetup};
 use crate::sim::run::{Reference, Run};
 use palpate_record::recording::{Flags, Recording, Row};
 use palpate_scene::method::MethodName;
-use palpate_scene::{Model, Scene, SceneFile};
+use palpate_scene::{ContactFile, Model, Scene};
 use serde::Serialize;
 
 use super::device::DeviceCard;
@@ -100,7 +100,7 @@ impl ContactCard {
     /// Renders a recorded motion again by the method of its scene and evaluates it against the ideal on that motion.
     fn on_motion(
         recording: &Recording,
-        file: &SceneFile,
+        file: &ContactFile,
         part: &[Row],
     ) -> Result<Self, ReplayError> {
         let scene = &file.scene;
@@ -155,22 +155,24 @@ impl ContactCard {
         let hand = HAND.max(3.0 * friction);
         let text = format!(
             r#"
-scene_format = 1
+format = 2
 title = "A wall, pressed"
-[object]
-mass_kg = inf
-stiffness_n_per_m = {stiffness:e}
-position_m = 0
-[device]
-kind = "point-mass"
+[[device]]
+name = "device"
+axes = ["x"]
 mass_kg = {mass:e}
-position_m = -{FROM:e}
-viscous_n_s_per_m = {:e}
-coulomb_n = {:e}
-encoder_quantum_m = {:e}
-[hand]
-kind = "constant-force"
-force_n = {hand:e}
+position_m = [-{FROM:e}, 0, 0]
+drivetrain.viscous_friction_n_s_per_m = {:e}
+drivetrain.coulomb_friction_n = {:e}
+quantum_m = {:e}
+hand.force_n = [{hand:e}, 0, 0]
+[[body]]
+name = "wall"
+fixed = true
+shape = {{ half_space = {{ normal = [-1, 0, 0] }} }}
+[[contact]]
+between = ["device", "wall"]
+stiffness_n_per_m = {stiffness:e}
 [loop]
 period_s = {period:e}
 delay_s = {delay:e}
@@ -178,7 +180,7 @@ lag_s = {:e}
 gain = {:e}
 [measure]
 duration_s = {:e}
-[renderer]
+[render]
 method = "coupled"
 "#,
             number("viscous_friction_n_s_per_m", 0.0),
@@ -188,7 +190,7 @@ method = "coupled"
             number("gain", 1.0),
             duration(mass, stiffness, hand, period),
         );
-        let file = SceneFile::parse("the simulated contact", &text);
+        let file = ContactFile::parse("the simulated contact", &text);
         let mut scene = file.map_err(|error| error.to_string())?.scene;
         scene.model = *deviations;
         let method = MethodName::Coupled;

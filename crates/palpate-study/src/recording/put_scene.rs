@@ -5,7 +5,7 @@ use std::path::Path;
 
 use palpate_record::files::bounded::SCENE;
 use palpate_record::recording::RecordingMetadata;
-use palpate_scene::{Scene, SceneErrors, SceneFile, beside};
+use palpate_scene::{ContactFile, Scene, SceneErrors, beside};
 
 /// Reason why metadata cannot contain a scene.
 #[derive(Debug, thiserror::Error)]
@@ -86,7 +86,7 @@ pub fn put_scene(
         named.insert(file.to_owned(), text.clone());
         Ok(text)
     };
-    let as_it_stands = SceneFile::parse_with(&name, &text, &mut reads)?.scene;
+    let as_it_stands = ContactFile::parse_with(&name, &text, &mut reads)?.scene;
     if as_it_stands != *scene {
         let why = unwritable.to_string();
         return Err(PutSceneError::Changed { name, why });

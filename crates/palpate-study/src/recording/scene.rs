@@ -3,7 +3,7 @@
 use std::io;
 
 use palpate_record::recording::Recording;
-use palpate_scene::{SceneErrors, SceneFile};
+use palpate_scene::{ContactFile, SceneErrors};
 
 /// Metadata entry that contains the scene.
 const SCENE: &str = "scene";
@@ -24,7 +24,7 @@ pub enum NoScene {
 ///
 /// # Errors
 /// The recording contains no scene, or an invalid one.
-pub fn scene_of(recording: &Recording) -> Result<SceneFile, NoScene> {
+pub fn scene_of(recording: &Recording) -> Result<ContactFile, NoScene> {
     let name = recording.path().display().to_string();
     let metadata = &recording.metadata;
     let Some(text) = metadata.texts.get(SCENE) else {
@@ -38,7 +38,7 @@ pub fn scene_of(recording: &Recording) -> Result<SceneFile, NoScene> {
             )
         })
     };
-    Ok(SceneFile::parse_with(
+    Ok(ContactFile::parse_with(
         &format!("{name} ({SCENE})"),
         text,
         &mut files,

@@ -106,7 +106,7 @@ impl Column {
 
     /// Reads columns from TOML. Each column is a table under its name, with a `method` and the keys that scenes have
     /// under `[methods.NAME]`. A list of dampings, or `damping_over_k_t` with one value or a list, can replace the
-    /// damping; the best value of a list on each scene is used. `guard` has the keys of `[renderer]`. The columns
+    /// damping; the best value of a list on each scene is used. `guard` has the keys of `[render]`. The columns
     /// keep the order of the file.
     ///
     /// # Errors

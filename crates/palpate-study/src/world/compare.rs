@@ -263,7 +263,7 @@ fn row(
     let renderer = scene.renderer(method).map_err(WorldBenchError::Rendering)?;
     let run = bench.run(method, &renderer)?;
     let settings = match Tunable::named(method) {
-        Some(tunable) => tunable.of_settings(&scene.settings()),
+        Some(tunable) => tunable.of_settings(&scene.settings(method)),
         None => Default::default(),
     };
     Ok(figures(&run, None, (&settings).into()))

@@ -293,8 +293,8 @@ impl fmt::Display for WorldTuneReport {
             }
         };
         let best = format!(
-            "Best: least {}, selected with knowledge of the ideal, on this scene only.{end} In [render] of the scene:",
-            self.least
+            "Best: least {}, selected with knowledge of the ideal, on this scene only.{end} In [methods.{}] of the scene:",
+            self.least, self.method
         );
         writeln!(f, "{}", wrapped(&best))?;
         for (key, value) in self.best.settings.values() {

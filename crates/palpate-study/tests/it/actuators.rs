@@ -4,7 +4,7 @@
 
 use crate::common::scene as experiment;
 use palpate_scene::method::MethodName;
-use palpate_scene::{ActuatorParams, Cogging, Delay, Model, Scene, SceneFile, Transmission};
+use palpate_scene::{ActuatorParams, Cogging, ContactFile, Delay, Model, Scene, Transmission};
 use palpate_study::sim::VirtualDevice;
 use palpate_study::sim::closed_loop::Bench;
 use palpate_study::sim::run::Run;
@@ -304,6 +304,7 @@ fn a_scene_of_all_of_it_reads_back_from_its_file_to_the_same_run() {
         lag_deviation: Some(2e-4),
         gain: Some(1.01),
         gain_deviation: Some(0.02),
+        sensor_quantum: Some(2e-6),
         sensor_noise: Some(5e-6),
         transmission: None,
     };
@@ -312,7 +313,7 @@ fn a_scene_of_all_of_it_reads_back_from_its_file_to_the_same_run() {
         transmission.backlash = 2e-5;
     }
     let text = scene.to_toml().unwrap();
-    let read = SceneFile::parse("real.toml", &text).unwrap().scene;
+    let read = ContactFile::parse("real.toml", &text).unwrap().scene;
     assert_eq!(read, scene, "{text}");
     let (a, b) = (
         run(&read, MethodName::Coupled),

@@ -33,9 +33,9 @@ period_s = 0.02
 name = "finger"
 mass_kg = 0.2
 position_m = [0.003, 0.002, 0.013]
-hand_force_n = [0.0, 0.0, -1.0]
-hand_stiffness_n_per_m = 20.0
-hand_damping_n_s_per_m = 1.0
+hand.force_n = [0.0, 0.0, -1.0]
+hand.stiffness_n_per_m = 20.0
+hand.damping_n_s_per_m = 1.0
 tool = { sphere = { radius_m = 0.008 } }
 [[body]]
 name = "plate"
@@ -108,8 +108,8 @@ period_s = 0.001
 name = "tool"
 mass_kg = 0.2
 position_m = [-0.0355, 0.008, 0.004]
-hand_force_n = [1.0, 0.0, 0.0]
-hand_damping_n_s_per_m = 1.5
+hand.force_n = [1.0, 0.0, 0.0]
+hand.damping_n_s_per_m = 1.5
 tool = { sphere = { radius_m = 0.005 } }
 [[body]]
 name = "drawer"
@@ -215,9 +215,9 @@ mass_kg = 0.1
 position_m = [0.0, 0.0, 0.05]
 velocity_m_per_s = [0.1, 0.0, -2.0]
 quantum_m = 0.0
-hand_stiffness_n_per_m = 300.0
-hand_damping_n_s_per_m = 3.0
-hand_rest_m = [0.0, 0.0, 0.0]
+hand.stiffness_n_per_m = 300.0
+hand.damping_n_s_per_m = 3.0
+hand.rest_m = [0.0, 0.0, 0.0]
 tool = { sphere = { radius_m = 0.01 } }
 [[body]]
 name = "floor"
@@ -227,7 +227,7 @@ shape = { half_space = { normal = [0.0, 0.0, 1.0] } }
 between = ["*", "*"]
 stiffness_n_per_m = 20000.0
 damping_n_s_per_m = 1.0
-[render]
+[model]
 device_mass_kg = 0.1
 [measure]
 duration_s = 0.3
@@ -277,7 +277,7 @@ name = "tool"
 mass_kg = 0.2
 position_m = [0.0, 0.0, 0.01]
 velocity_m_per_s = [0.3, 0.2, 0.0]
-hand_force_n = [0.0, 0.0, -1.0]
+hand.force_n = [0.0, 0.0, -1.0]
 tool = { sphere = { radius_m = 0.01 } }
 [[body]]
 name = "floor"
@@ -330,7 +330,7 @@ fn turned_drawer() -> String {
     let mut source = DRAWER.replace("[1.0, 0.0, 0.0, 0.0]", "[0.8, 0.2, 0.4, 0.4]");
     for (key, vector) in [
         ("position_m", [-0.0355, 0.008, 0.004]),
-        ("hand_force_n", [1.0, 0.0, 0.0]),
+        ("hand.force_n", [1.0, 0.0, 0.0]),
         ("\nforce_n", [0.0, 0.0, -0.7848]),
         ("axis", [1.0, 0.0, 0.0]),
     ] {
@@ -390,9 +390,9 @@ period_s = 0.001
 name = "tool"
 mass_kg = [0.1, 0.16, 0.25]
 position_m = [0.0007, 0.0003, {start}]
-hand_force_n = [0.1, 0.0, -1.0]
-hand_stiffness_n_per_m = 60.0
-hand_damping_n_s_per_m = 1.5
+hand.force_n = [0.1, 0.0, -1.0]
+hand.stiffness_n_per_m = 60.0
+hand.damping_n_s_per_m = 1.5
 quantum_m = 2e-6
 tool = {{ sphere = {{ radius_m = 0.003 }} }}
 [[body]]
@@ -406,7 +406,7 @@ stiffness_n_per_m = 4000.0
 damping_n_s_per_m = 3.0
 friction = {friction}
 friction_stiffness_n_per_m = 2000.0
-[render]
+[model]
 device_mass_kg = [0.15, 0.24, 0.375]
 [measure]
 duration_s = 0.3

@@ -22,7 +22,7 @@ period_s = 0.001
 name = "tool"
 DEVICE
 position_m = [0.004, 0.003, 0.046]
-hand_force_n = [0.2, 0.1, -1.5]
+hand.force_n = [0.2, 0.1, -1.5]
 tool = { sphere = { radius_m = 0.01 } }
 [[body]]
 name = "ball"
@@ -55,7 +55,7 @@ period_s = 0.001
 name = "tool"
 DEVICE
 position_m = [0.004, 0.0, 0.03]
-hand_force_n = [0.3, 0.2, -1.5]
+hand.force_n = [0.3, 0.2, -1.5]
 tool = { sphere = { radius_m = 0.005 } }
 [[body]]
 name = "left"
@@ -87,7 +87,7 @@ const STARTS: [(&str, &str, &str); 2] = [
 fn in_a_plane(source: &str, start: &str) -> WorldScene {
     let lines = source.lines().map(|line| {
         match line.split_once(" = ") {
-            Some(("hand_force_n", _)) => format!("hand_force_n = {PUSH}"),
+            Some(("hand.force_n", _)) => format!("hand.force_n = {PUSH}"),
             // Of the device, which stands first.
             Some(("position_m", place)) if place.contains("0.046") || place.contains("0.03]") => {
                 format!("position_m = {start}")
@@ -211,9 +211,7 @@ fn a_plane_that_is_not_one_of_the_world() {
         assert!(ideal > 0.1, "{name}: {ideal}");
         for method in WorldScene::METHODS {
             let mut scene = scene.clone();
-            scene.render.damping = Some(4.0);
-            scene.render.coupling.stiffness = Some(4000.0);
-            scene.render.coupling.mass = Some(0.05);
+            crate::common::set_comparison(&mut scene);
             let run = bench.run(method, &scene.renderer(method).unwrap()).unwrap();
             assert_eq!(run.refused, 0, "{method}");
             let across = most(&mut run.commanded.iter().map(|forces| forces[0]));
@@ -234,9 +232,7 @@ fn every_method_pushes_in_a_turned_world_as_it_does_in_the_world() {
     let turned =
         |v: Vector| -> Vector { [0, 1, 2].map(|to| (0..3).map(|of| AXES[of][to] * v[of]).sum()) };
     let mut scene = parsed(BALL, "mass_kg = [0.1, 0.16, 0.3]", 0.002);
-    scene.render.damping = Some(4.0);
-    scene.render.coupling.stiffness = Some(4000.0);
-    scene.render.coupling.mass = Some(0.05);
+    crate::common::set_comparison(&mut scene);
     let mut other = scene.clone();
     other.world.tools[0].own_axes = Some(AXES);
     for device in &mut other.devices {

@@ -14,7 +14,7 @@ period_s = 0.001
 name = "tool"
 mass_kg = [0.1, 0.16, 0.25]
 position_m = [0.0015, 0.001, 0.0145]
-hand_force_n = [-0.8, 0.05, -0.3]
+hand.force_n = [-0.8, 0.05, -0.3]
 tool = { sphere = { radius_m = 0.005 } }
 [[body]]
 name = "angle"

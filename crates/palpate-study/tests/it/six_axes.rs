@@ -227,7 +227,7 @@ period_s = 0.001
 name = "tool"
 mass_kg = 0.15
 inertia_kg_m2 = [9.4e-5, 1.69e-4, 1.95e-4]
-hand_force_n = [0.0, 0.0, 0.3]
+hand.force_n = [0.0, 0.0, 0.3]
 tool = { box = { size_m = [0.06, 0.04, 0.03] } }
 [[body]]
 name = "ball"
@@ -240,7 +240,7 @@ between = "*"
 stiffness_n_per_m = 4000.0
 damping_n_s_per_m = 1.0
 friction = 0.3
-[render]
+[model]
 device_mass_kg = 0.2
 device_inertia_kg_m2 = [6.6e-5, 1.2e-4, 1.4e-4]
 [measure]

@@ -4,7 +4,7 @@
 use crate::common::{PAPER_SCENES, scene};
 use palpate_core::{Mass, ParameterValue};
 use palpate_scene::method::{MethodName, SettingKey, Settings};
-use palpate_scene::{Delay, SceneFile};
+use palpate_scene::{ContactFile, Delay};
 use palpate_study::heights::over_heights;
 use palpate_study::json;
 use palpate_study::sim::closed_loop::Bench;
@@ -194,7 +194,7 @@ fn seed_1_draws_the_same_scene_files_in_every_version() {
             .map(|index| {
                 let scene = set.draw(1, index).unwrap().scene;
                 let text = scene.to_toml().unwrap();
-                let read = SceneFile::parse("plant.toml", &text).unwrap().scene;
+                let read = ContactFile::parse("plant.toml", &text).unwrap().scene;
                 assert_eq!(read, scene, "{text}");
                 text
             })
@@ -214,7 +214,7 @@ fn fnv_1a(text: &str) -> u64 {
 fn a_plant_reads_back_from_its_file_to_the_same_numbers() {
     for plant in plants(5, 8) {
         let text = plant.scene.to_toml().unwrap();
-        let read = SceneFile::parse("plant.toml", &text).unwrap().scene;
+        let read = ContactFile::parse("plant.toml", &text).unwrap().scene;
         assert_eq!(read, plant.scene, "{text}");
         let evaluated = |scene| {
             let run = Bench::new(scene).unwrap().run(MethodName::Hfcr).unwrap();

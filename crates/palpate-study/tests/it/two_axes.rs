@@ -21,7 +21,7 @@ mass_kg = [0.12, 0.2]
 /// A ball that lies lower than the tool on a table: the tool pushes it down as it pushes it on.
 const BALL: &str = r#"
 position_m = [-0.024, 0.002, 0.042]
-hand_force_n = [1.2, 0.0, 0.0]
+hand.force_n = [1.2, 0.0, 0.0]
 tool = { sphere = { radius_m = 0.01 } }
 [[body]]
 name = "ball"
@@ -47,7 +47,7 @@ damping_n_s_per_m = 1.0
 /// A groove across the plane: both of its walls lean, so each pushes the tool out of the plane.
 const GROOVE: &str = r#"
 position_m = [0.004, 0.03, 0.0]
-hand_force_n = [0.2, -1.5, 0.0]
+hand.force_n = [0.2, -1.5, 0.0]
 tool = { sphere = { radius_m = 0.01 } }
 [[body]]
 name = "left"
@@ -66,7 +66,7 @@ damping_n_s_per_m = 1.0
 /// A capsule that lies lower than the tool on a fixed ridge and rolls away, with friction.
 const CAPSULE: &str = r#"
 position_m = [-0.02, 0.004, 0.022]
-hand_force_n = [1.0, 0.1, 0.0]
+hand.force_n = [1.0, 0.1, 0.0]
 tool = { sphere = { radius_m = 0.008 } }
 [[body]]
 name = "log"
@@ -94,7 +94,7 @@ friction = 0.4
 /// A slope that a heavy block lies on, and slides down along: friction pulls the tool out of its plane.
 const SLIDING: &str = r#"
 position_m = [-0.031, 0.0, 0.0]
-hand_force_n = [1.0, 0.0, 0.0]
+hand.force_n = [1.0, 0.0, 0.0]
 tool = { sphere = { radius_m = 0.01 } }
 [[body]]
 name = "block"
@@ -120,7 +120,7 @@ damping_n_s_per_m = 4.0
 /// A bumpy ball of triangles, beside which the tool is led by its hand's force.
 const MESH: &str = r#"
 position_m = [-0.06, 0.0, 0.02]
-hand_force_n = [1.5, 0.3, 0.0]
+hand.force_n = [1.5, 0.3, 0.0]
 tool = { sphere = { radius_m = 0.006 } }
 [[body]]
 name = "bumps"
@@ -262,7 +262,7 @@ mass_kg = 0.2
 inertia_kg_m2 = [2e-5, 4e-5, 5e-5]
 position_m = [0.0, 0.0, 0.03]
 orientation = [0.9, 0.2, 0.1, 0.05]
-hand_force_n = [0.2, 0.0, -1.0]
+hand.force_n = [0.2, 0.0, -1.0]
 tool = { box = { size_m = [0.04, 0.03, 0.02] } }
 [[body]]
 name = "slope"
@@ -366,9 +366,7 @@ fn a_device_of_one_axis_is_rendered_too() {
 #[test]
 fn every_method_pushes_in_the_plane_only() {
     let mut scene = scene(BALL, 0.001);
-    scene.render.damping = Some(4.0);
-    scene.render.coupling.stiffness = Some(4000.0);
-    scene.render.coupling.mass = Some(0.05);
+    crate::common::set_comparison(&mut scene);
     let bench = WorldBench::new(&scene).unwrap();
     let size = |force: &[f64; 3]| force[0].hypot(force[1]);
     let ideal = bench.ideal().devices[0].mean_forces(&bench.ideal().grid);

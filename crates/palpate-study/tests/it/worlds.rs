@@ -17,7 +17,7 @@ period_s = 0.001
 name = "tool"
 mass_kg = [0.1, 0.16, 0.25]
 position_m = [0.004, 0.0, 0.03]
-hand_force_n = [0.1, 0.2, -1.5]
+hand.force_n = [0.1, 0.2, -1.5]
 tool = { sphere = { radius_m = 0.01 } }
 [[body]]
 name = "left"
@@ -101,7 +101,7 @@ fn what_overlaps_at_the_start_is_not_created_by_a_held_force() {
 fn a_wrong_mass_costs_little_and_a_known_delay_too() {
     let model = GROOVE.replace(
         "[measure]",
-        "[render]\ndevice_mass_kg = [0.15, 0.24, 0.375]\n[measure]",
+        "[model]\ndevice_mass_kg = [0.15, 0.24, 0.375]\n[measure]",
     );
     let ([wrong], _) = runs(&model, ["coupled"]);
     let late = GROOVE.replace("period_s = 0.001", "period_s = 0.001\ndelay_s = 0.001");
@@ -118,7 +118,7 @@ fn reference_and_renderer_simulate_the_same_world() {
     let source = GROOVE
         .replace("[0.1, 0.16, 0.25]", "1e9")
         .replace(
-            "hand_force_n = [0.1, 0.2, -1.5]",
+            "hand.force_n = [0.1, 0.2, -1.5]",
             "velocity_m_per_s = [0.0, 0.0, -0.1]",
         )
         .replace("[0.004, 0.0, 0.03]", "[0.0, 0.0, 0.0145]");
@@ -304,13 +304,14 @@ fn known_and_model(name: &str) -> [f64; 2] {
 
 /// The scene without what the renderer does not know.
 fn known(model: &str) -> String {
-    let of_file = [
-        "device_mass",
-        "quantum",
-        "hand_stiffness",
-        "hand_damping",
-        "hand_rest",
-    ];
+    let (before, hand) = model.split_once("[device.hand]").unwrap();
+    let (hand, after) = hand.split_once("\n\n").unwrap();
+    let push = hand
+        .lines()
+        .find(|line| line.starts_with("force_n"))
+        .unwrap();
+    let model = format!("{before}[device.hand]\n{push}\n\n{after}");
+    let of_file = ["device_mass", "quantum"];
     let kept = |line: &&str| !of_file.iter().any(|key| line.starts_with(key));
     let known: Vec<&str> = model.lines().filter(kept).collect();
     assert_eq!(known.len() + of_file.len(), model.lines().count());
@@ -414,7 +415,7 @@ name = "tool"
 mass_kg = [0.1, 0.16, 0.25]
 position_m = [-0.0029, -0.0103, 0.05]
 velocity_m_per_s = [0.048, 0.076, -0.1]
-hand_force_n = [-0.531, 0.09, -2.0]
+hand.force_n = [-0.531, 0.09, -2.0]
 tool = { sphere = { radius_m = 0.0 } }
 [[body]]
 name = "cube"
@@ -452,7 +453,7 @@ name = "tool"
 mass_kg = [0.1, 0.16, 0.25]
 position_m = [0.017, 0.004, 0.0165]
 velocity_m_per_s = [0.0, 0.0, -0.1]
-hand_force_n = [0.0, 0.0, -1.0]
+hand.force_n = [0.0, 0.0, -1.0]
 tool = { sphere = { radius_m = 0.005 } }
 [[body]]
 name = "disc"

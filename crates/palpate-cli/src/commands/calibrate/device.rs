@@ -9,7 +9,7 @@ use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::{Heartbeat, SafetyParams};
-use palpate_scene::{Scene, SceneFile};
+use palpate_scene::{ContactFile, Scene};
 use palpate_study::calibrate::ExcitationParams;
 use palpate_study::calibration::ExcitedMotion;
 use palpate_study::device_loop::{ShakeError, Shaker};
@@ -24,25 +24,30 @@ use crate::values::duration;
 
 /// Default device and hand of `--device simulated`.
 const SCENE: &str = r#"
-scene_format = 1
+format = 2
 title = "A device in a hand"
-
-[object]
-mass_kg = inf
-stiffness_n_per_m = 1000
-position_m = 1
-
-[device]
-kind = "point-mass"
-mass_kg = 0.25
-encoder_quantum_m = 1e-5
-
-[hand]
-kind = "constant-force"
-force_n = 0
 
 [loop]
 period_s = 0.001
+
+[[device]]
+name = "device"
+axes = ["x"]
+mass_kg = 0.25
+quantum_m = 1e-05
+
+[device.hand]
+force_n = [0.0, 0.0, 0.0]
+
+[[body]]
+name = "wall"
+fixed = true
+position_m = [1.0, 0.0, 0.0]
+shape = { half_space = { normal = [-1.0, 0.0, 0.0] } }
+
+[[contact]]
+between = ["device", "wall"]
+stiffness_n_per_m = 1000
 
 [measure]
 duration_s = 1
@@ -59,7 +64,7 @@ pub fn excite(
     let mut scene = match &arguments.scene {
         Some(path) => read_scene(path)?.scene,
         None => {
-            SceneFile::parse("the built-in scene", SCENE)
+            ContactFile::parse("the built-in scene", SCENE)
                 .map_err(Failure::inputs)?
                 .scene
         }

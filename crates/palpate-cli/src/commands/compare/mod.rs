@@ -2,11 +2,12 @@
 
 mod world;
 
+use palpate_scene::SceneFile;
 use palpate_scene::SetupError;
 use palpate_scene::method::MethodName;
 use palpate_study::sim::closed_loop::{Bench, LoopError};
 
-use super::simulate::{AnyScene, explain, read_any};
+use super::simulate::{explain, read_any};
 use crate::arguments::{CompareArguments, Flags, TimingFlags};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -31,8 +32,8 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let (mut files, mut worlds) = (Vec::new(), Vec::new());
     for path in &arguments.scenes {
         match read_any(path)? {
-            AnyScene::Contact(file) => files.push((path, file)),
-            AnyScene::World(file) => worlds.push((path, file)),
+            SceneFile::Contact(file) => files.push((path, file)),
+            SceneFile::World(file) => worlds.push((path, file)),
         }
     }
     // Input files include the files that the scenes name.

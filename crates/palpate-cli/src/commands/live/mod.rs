@@ -10,14 +10,14 @@ use std::path::{Path, PathBuf};
 use palpate_device::clock::MonotonicClock;
 use palpate_live::{Home, LaneEnd, Session, Setup, Written};
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, SceneFile};
+use palpate_scene::{ContactFile, Scene, SceneFile};
 
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
 use serving::{listen, serve};
 
 use super::run::{Asked, guarding, limits, outcome, request, tell_what_a_loop_has_not};
-use super::simulate::{AnyScene, read_any};
+use super::simulate::read_any;
 use crate::devices::{DeviceName, replayed};
 use crate::failure::{Failure, tell};
 use crate::recorded::{open as open_recording, whole_or_said};
@@ -33,7 +33,7 @@ const METHODS: [MethodName; 2] = [MethodName::Basic, MethodName::Coupled];
 /// Runs a loop, serves its live page, and reports the outcome at the end.
 pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.scene
-        && let AnyScene::World(file) = read_any(path)?
+        && let SceneFile::World(file) = read_any(path)?
     {
         return world::run(arguments, path, &file);
     }
@@ -111,7 +111,7 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
         }
         None => {
             let name = "live.toml";
-            let file = SceneFile::parse(name, SCENE).map_err(Failure::inputs)?;
+            let file = ContactFile::parse(name, SCENE).map_err(Failure::inputs)?;
             // One loop renders the recommended method.
             let first = METHODS.len().saturating_sub(most);
             (file, PathBuf::from(name), METHODS[first..].to_vec())

@@ -9,13 +9,13 @@ use std::io;
 use crate::pipe::{Changeable, Format, Memory, PipeSummary, Stream, rendering};
 use palpate_core::LARGEST_DELAY;
 use palpate_rt::safety::{Safety, SafetyParams};
-use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
+use palpate_scene::{ContactFile, SceneFile};
 use palpate_study::sim::replay::ReplaySetup;
 
 pub use arguments::PipeArguments;
 
-use super::simulate::{AnyScene, read_any};
+use super::simulate::read_any;
 use crate::arguments::Flags;
 use crate::failure::Failure;
 use crate::setup::{check_contact, wrong_rendered, wrong_setup};
@@ -26,15 +26,15 @@ pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
     let path = arguments.scene.as_ref().or(arguments.file.as_ref());
     let scene = path.map(|path| read_any(path)).transpose()?;
     let scene = match (path, scene) {
-        (Some(path), Some(AnyScene::World(file))) => return world::run(arguments, path, &file),
-        (_, Some(AnyScene::Contact(file))) => Some(*file),
+        (Some(path), Some(SceneFile::World(file))) => return world::run(arguments, path, &file),
+        (_, Some(SceneFile::Contact(file))) => Some(*file),
         (_, None) | (None, Some(_)) => None,
     };
     answer(|| set_up(arguments, scene), arguments.json)
 }
 
 /// Sets up the stream from the arguments, without any input or output.
-fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream, Failure> {
+fn set_up(arguments: &PipeArguments, scene: Option<ContactFile>) -> Result<Stream, Failure> {
     let flags = &arguments.flags;
     let methods = flags.methods(
         scene

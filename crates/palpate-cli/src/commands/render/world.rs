@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use palpate_record::files::outputs::Outputs;
+use palpate_scene::SceneFile;
 use palpate_scene::world::WorldFile;
 use palpate_study::report::RecordedMotion;
 use palpate_study::sim::world::{WorldBench, WorldBenchError};
@@ -10,7 +11,7 @@ use palpate_study::world::{WorldReport, forces};
 use palpate_testbed::world::LedPath;
 
 use crate::arguments::{Flags, RenderArguments, Results, TraceFlags};
-use crate::commands::simulate::{AnyScene, read_any};
+use crate::commands::simulate::read_any;
 use crate::failure::{Failure, tell};
 use crate::inside;
 use crate::progress::Progress;
@@ -34,8 +35,8 @@ const FLAGS: [&str; 8] = [
 pub fn run(arguments: &RenderArguments, input: &Path) -> Result<(), Failure> {
     let path = &arguments.trace;
     let file = match read_any(path)? {
-        AnyScene::World(file) => file,
-        AnyScene::Contact(_) => {
+        SceneFile::World(file) => file,
+        SceneFile::Contact(_) => {
             return Err(Failure::Arguments(format!(
                 "--input: {} is one contact; use render TRACE.csv --stiffness ...",
                 path.display()

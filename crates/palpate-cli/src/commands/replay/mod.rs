@@ -8,7 +8,7 @@ use clap::{Args, ValueHint};
 use palpate_core::Parameter;
 use palpate_record::recording::Recording;
 use palpate_scene::method::MethodName;
-use palpate_scene::{SceneFile, SetupError};
+use palpate_scene::{ContactFile, SetupError};
 use palpate_study::device_loop::RecordedWorld;
 use palpate_study::sim::closed_loop::LoopError;
 use palpate_study::sim::replay::ReplayError;
@@ -124,7 +124,7 @@ struct ReplayFailures<'a> {
     /// Contact, loop, method and device from the command line.
     flags: &'a Flags,
     /// Scene of the recording.
-    file: &'a SceneFile,
+    file: &'a ContactFile,
     /// Name of the recording in messages.
     name: &'a str,
 }
@@ -163,7 +163,7 @@ impl ReplayFailures<'_> {
 }
 
 /// Returns the scene of the recording.
-fn scene(recording: &Recording) -> Result<SceneFile, Failure> {
+fn scene(recording: &Recording) -> Result<ContactFile, Failure> {
     scene_of(recording).map_err(|error| match error {
         NoScene::Invalid(faults) => Failure::inputs(faults),
         other => Failure::input(other),

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::path::Path;
 
-use palpate_scene::SceneFile;
+use palpate_scene::ContactFile;
 
 use super::ReportArguments;
 use crate::arguments::{ActuationFlags, Flags, Given};
@@ -14,33 +14,40 @@ use palpate_study::text::digits;
 
 /// Default scene: a wall that a hand touches, and the hand of `--device simulated`.
 const SCENE: &str = r#"
-scene_format = 1
+format = 2
 title = "A wall, touched"
-
-[object]
-mass_kg = inf
-stiffness_n_per_m = 300
-position_m = 0
-
-[device]
-kind = "point-mass"
-mass_kg = 0.25
-position_m = -0.01
-viscous_n_s_per_m = 2
-encoder_quantum_m = 1e-5
-
-[hand]
-kind = "constant-force"
-force_n = 1.5
 
 [loop]
 period_s = 0.001
 
+[[device]]
+name = "device"
+axes = ["x"]
+mass_kg = 0.25
+position_m = [-0.01, 0.0, 0.0]
+quantum_m = 1e-05
+
+[device.drivetrain]
+viscous_friction_n_s_per_m = 2
+
+[device.hand]
+force_n = [1.5, 0.0, 0.0]
+
+[[body]]
+name = "wall"
+fixed = true
+position_m = [0.0, 0.0, 0.0]
+shape = { half_space = { normal = [-1.0, 0.0, 0.0] } }
+
+[[contact]]
+between = ["device", "wall"]
+stiffness_n_per_m = 300
+
+[render]
+method = "coupled"
+
 [measure]
 duration_s = 1
-
-[renderer]
-method = "coupled"
 "#;
 
 /// Records a session and returns its outcome, which includes failures of the running loop.
@@ -55,7 +62,7 @@ pub fn record(
         Some(path) => (read_scene(path)?, path.as_path()),
         None => {
             let name = "the built-in scene";
-            let file = SceneFile::parse(name, SCENE).map_err(Failure::inputs)?;
+            let file = ContactFile::parse(name, SCENE).map_err(Failure::inputs)?;
             (file, Path::new(name))
         }
     };

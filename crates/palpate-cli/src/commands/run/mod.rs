@@ -13,7 +13,7 @@ use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, SetupError, metadata};
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, SceneFile, Timing};
+use palpate_scene::{ContactFile, Scene, SceneFile, Timing};
 use palpate_study::recording::put_scene;
 
 pub use arguments::{
@@ -27,7 +27,7 @@ use crate::results::print_report;
 use crate::values::duration;
 use driving::{Ran, drive, most_periods};
 
-use super::simulate::{AnyScene, read_any};
+use super::simulate::read_any;
 use crate::reports::{Guarding, RunReport, Subject};
 
 /// Runs a loop, and records it on request.
@@ -54,8 +54,8 @@ fn session(
     arguments: &SessionArguments,
 ) -> Result<(), Failure> {
     let file = match read_any(path)? {
-        AnyScene::Contact(file) => *file,
-        AnyScene::World(file) => return world::run_session(&file, (path, record), arguments),
+        SceneFile::Contact(file) => *file,
+        SceneFile::World(file) => return world::run_session(&file, (path, record), arguments),
     };
     run_session(&file, (path, record), arguments, &|report| {
         print_report(report, arguments.json)
@@ -68,7 +68,7 @@ fn session(
 /// # Errors
 /// The loop could not begin, or it failed.
 pub fn run_session(
-    file: &SceneFile,
+    file: &ContactFile,
     (path, record): (&Path, Option<&Path>),
     arguments: &SessionArguments,
     model: Model<'_>,

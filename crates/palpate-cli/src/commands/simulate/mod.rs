@@ -8,9 +8,8 @@ use std::string::FromUtf8Error;
 use palpate_record::files::bounded::SCENE;
 use palpate_record::unit::Spacing;
 use palpate_scene::method::MethodName;
-use palpate_scene::world::WorldFile;
 use palpate_scene::{
-    Intention, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError, beside,
+    ContactFile, Intention, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError,
     period_question,
 };
 use palpate_study::sim::closed_loop::{Bench, LoopError};
@@ -28,8 +27,8 @@ use palpate_study::report::{Report, Subject, actuator_of, metadata, plant_metada
 /// Simulates a scene by the named methods, or by its own.
 pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let file = match read_any(&arguments.scene)? {
-        AnyScene::Contact(file) => *file,
-        AnyScene::World(file) => return world::run(arguments, &arguments.scene, &file),
+        SceneFile::Contact(file) => *file,
+        SceneFile::World(file) => return world::run(arguments, &arguments.scene, &file),
     };
     let flags = &arguments.flags;
     let methods = flags.methods(file.scene.method);
@@ -135,35 +134,26 @@ fn further_seeds(arguments: &SimulateArguments, scene: &Scene) -> Result<Vec<Sce
     Ok((first + 1..after).map(with_seed).collect())
 }
 
-/// A scene file of any format.
-pub(super) enum AnyScene {
-    /// One contact along one axis.
-    Contact(Box<SceneFile>),
-    /// Several bodies in space.
-    World(Box<WorldFile>),
-}
-
-pub(super) fn read_any(path: &Path) -> Result<AnyScene, Failure> {
+pub(super) fn read_any(path: &Path) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
     let text = read_text(path)?;
-    if WorldFile::is_world_file(&text) {
-        let file = WorldFile::parse(&name, &text).map_err(Failure::inputs)?;
-        for note in file.notes() {
-            tell(note);
+    let file = SceneFile::parse(&name, &text).map_err(Failure::inputs)?;
+    match &file {
+        SceneFile::Contact(file) => tell_doubts(&name, &file.scene),
+        SceneFile::World(file) => {
+            for note in file.notes() {
+                tell(note);
+            }
         }
-        return Ok(AnyScene::World(Box::new(file)));
     }
-    let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(Failure::inputs)?;
-    tell_doubts(&name, &file.scene);
-    Ok(AnyScene::Contact(Box::new(file)))
+    Ok(file)
 }
 
-pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
-    let name = path.display().to_string();
-    let text = read_text(path)?;
-    let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(Failure::inputs)?;
-    tell_doubts(&name, &file.scene);
-    Ok(file)
+pub(super) fn read_scene(path: &Path) -> Result<ContactFile, Failure> {
+    match read_any(path)? {
+        SceneFile::Contact(file) => Ok(*file),
+        SceneFile::World(file) => Err(Failure::inputs(file.not_one_contact())),
+    }
 }
 
 fn read_text(path: &Path) -> Result<String, Failure> {
@@ -200,13 +190,13 @@ fn tell_doubts(name: &str, scene: &Scene) {
             format!(" If so, name its column t_{unit}")
         });
         tell(format_args!(
-            "warning: {name}: hand.intention: {spacing}{column}"
+            "warning: {name}: device.hand.rest_file: {spacing}{column}"
         ));
     }
     if let Some(excess) = inside::excess(path.times(), path.positions()) {
         let column = excess.likely_unit().position_column();
         tell(format_args!(
-            "warning: {name}: hand.intention: {excess} If so, name its column {column}"
+            "warning: {name}: device.hand.rest_file: {excess} If so, name its column {column}"
         ));
     }
 }
@@ -231,7 +221,7 @@ pub(super) fn in_file(error: SceneError) -> Failure {
 /// Explains a scene that cannot run: the error is in a flag if one gave the value, else in the file.
 pub(super) fn explain(
     (flags, timing): (&Flags, &TimingFlags),
-    file: &SceneFile,
+    file: &ContactFile,
     method: MethodName,
     error: LoopError,
 ) -> Failure {
@@ -273,6 +263,6 @@ pub(super) fn explain(
 }
 
 /// Returns an error of the window, at the `parameter` of the file that sets its length.
-fn in_window(file: &SceneFile, parameter: SceneParameter, error: &LoopError) -> Failure {
+fn in_window(file: &ContactFile, parameter: SceneParameter, error: &LoopError) -> Failure {
     in_file(file.at(parameter, error.to_string()))
 }

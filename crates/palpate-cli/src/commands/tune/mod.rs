@@ -3,11 +3,12 @@
 mod world;
 
 use palpate_scene::Scene;
+use palpate_scene::SceneFile;
 use palpate_scene::method::{MethodName, SettingKey};
 use palpate_study::tune::report::TuneReport;
 use palpate_study::tune::{self, HEIGHTS, Objective, TuneError};
 
-use super::simulate::{AnyScene, explain, read_any};
+use super::simulate::{explain, read_any};
 use crate::arguments::{CurveArguments, Least, TuneArguments, flag_of_setting};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -21,8 +22,8 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
         Least::Leak => Objective::Leak,
     };
     let file = match read_any(&arguments.scene)? {
-        AnyScene::Contact(file) => *file,
-        AnyScene::World(file) => {
+        SceneFile::Contact(file) => *file,
+        SceneFile::World(file) => {
             return world::run(arguments, objective, &arguments.scene, &file);
         }
     };

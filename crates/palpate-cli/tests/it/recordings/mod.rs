@@ -7,7 +7,7 @@ use palpate_record::recording::{
     ContactTick, Event, Flags, LoopCount, Phase, RecordingMetadata, RecordingWriter, Row, Tick,
 };
 use palpate_scene::method::MethodName;
-use palpate_scene::{Jitter, SceneFile};
+use palpate_scene::{ContactFile, Jitter};
 use palpate_study::sim::closed_loop::Bench;
 use palpate_study::sim::run::Run;
 
@@ -20,7 +20,7 @@ pub fn loop_of(name: &str, method: MethodName) -> (String, Run) {
 
 /// Runs a scene with early and late samples by a method.
 pub fn loop_in(text: &str, method: MethodName) -> Run {
-    let mut scene = SceneFile::parse("scene", text).unwrap().scene;
+    let mut scene = ContactFile::parse("scene", text).unwrap().scene;
     scene.timing.jitter = Jitter::Uniform {
         bound: 0.2 * scene.loop_params.period,
     };

@@ -12,7 +12,7 @@ use palpate_rt::safety::{SafetyParams, SafetyStop};
 use palpate_rt::{
     ControlLoop, Ending, Listener, LoopEnd, LoopThread, Message, Note, Rendering, StopFlag,
 };
-use palpate_scene::SceneFile;
+use palpate_scene::ContactFile;
 use palpate_scene::method::MethodName;
 
 use crate::inverse3::{ID, ms, options, wait_until};
@@ -21,7 +21,7 @@ use crate::inverse3::{ID, ms, options, wait_until};
 fn wall(method: MethodName) -> Rendering {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/wall.toml");
     let text = std::fs::read_to_string(path).unwrap();
-    let mut scene = SceneFile::parse("wall.toml", &text).unwrap().scene;
+    let mut scene = ContactFile::parse("wall.toml", &text).unwrap().scene;
     scene.contact.stiffness = 500.0;
     scene.object.position = 0.0;
     scene.loop_params.period = 0.001;

@@ -15,7 +15,7 @@ use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, SceneFile};
+use palpate_scene::{ContactFile, Scene};
 use palpate_study::sim::device::{PointerDevice, PointerHand, PointerParams};
 use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
@@ -27,7 +27,7 @@ pub const PATIENCE: Duration = Duration::from_secs(20);
 /// The scene of `palpate live`, at 1 kHz.
 pub fn scene() -> Scene {
     let text = include_str!("../../../../../experiments/live.toml");
-    let mut scene = SceneFile::parse("live.toml", text).unwrap().scene;
+    let mut scene = ContactFile::parse("live.toml", text).unwrap().scene;
     scene.loop_params.period = 0.001;
     scene
 }

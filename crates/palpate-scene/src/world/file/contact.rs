@@ -2,22 +2,11 @@
 
 use palpate_core::Range;
 use palpate_world::{Contact, ContactLaw, WorldField as Field, WorldPart, out_of_range};
-use serde::Deserialize;
 use toml::Spanned;
 
 use super::Reading;
+use crate::raw::RawContact;
 use crate::world::pair::Pair;
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawContact {
-    between: Spanned<Pair>,
-    stiffness_n_per_m: Spanned<f64>,
-    damping_n_s_per_m: Option<Spanned<f64>>,
-    friction: Option<Spanned<f64>>,
-    friction_stiffness_n_per_m: Option<Spanned<f64>>,
-    friction_damping_n_s_per_m: Option<Spanned<f64>>,
-}
 
 impl Reading {
     pub(super) fn contact(&mut self, index: usize, raw: Spanned<RawContact>) -> Contact {

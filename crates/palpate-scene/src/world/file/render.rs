@@ -1,53 +1,36 @@
-//! The table `[render]` of a world.
+//! The tables `[render]`, `[model]` and `[methods]` of a world.
 
-use palpate_core::Range;
+use std::collections::HashMap;
+
+use palpate_core::{Actuation, Range};
 use palpate_world::{Vector, WorldField as Field, WorldGuard, WorldPart};
-use serde::Deserialize;
 use toml::Spanned;
 
-use super::{RawModel, Reading};
-use crate::world::guard::RawGuard;
+use super::Reading;
+use crate::fault::unknown_key;
+use crate::method::{method_named, nearest};
+use crate::model::{RawModel, quantum_of};
+use crate::raw_settings::RawSettings;
+use crate::render_key::RawRender;
 use crate::world::per_axis::PerAxis;
-use crate::world::{Coupling, WorldActuator, WorldDevice, WorldRender};
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RawRender {
-    method: Option<Spanned<String>>,
-    device_mass_kg: Option<Spanned<PerAxis>>,
-    device_mass_factor: Option<Spanned<f64>>,
-    damping_n_s_per_m: Option<Spanned<f64>>,
-    coupling_stiffness_n_per_m: Option<Spanned<f64>>,
-    coupling_mass_kg: Option<Spanned<f64>>,
-    force_limit_n: Option<Spanned<f64>>,
-    device_inertia_kg_m2: Option<Spanned<Vector>>,
-    rotational_damping_n_m_s_per_rad: Option<Spanned<f64>>,
-    coupling_rotational_stiffness_n_m_per_rad: Option<Spanned<f64>>,
-    coupling_inertia_kg_m2: Option<Spanned<f64>>,
-    torque_limit_n_m: Option<Spanned<f64>>,
-    guard: Option<RawGuard>,
-}
+use crate::world::{WorldDevice, WorldRender, WorldScene, WorldSettings};
 
 impl Reading {
-    /// Returns the renderer's method, settings and model values, those of `devices` and `actuator` by default.
+    /// Returns the renderer's method and model values, those of `devices` and `known` by default, without settings.
     pub(super) fn render(
         &mut self,
         raw: RawRender,
         model: RawModel,
         devices: &[WorldDevice],
-        actuator: WorldActuator,
+        known: Actuation<f64>,
     ) -> WorldRender {
-        if let Some(mass) = &raw.device_mass_kg {
+        if let Some(mass) = &model.device_mass_kg {
             self.places
                 .take(WorldPart::Method, Field::DeviceMass, mass.clone());
         }
-        if let Some(damping) = &raw.damping_n_s_per_m {
-            self.places
-                .take(WorldPart::Method, Field::Damping, damping.clone());
-        }
-        let model_mass = raw.device_mass_kg.as_ref();
-        let masses = self.device_masses(model_mass, raw.device_mass_factor, devices);
-        let model_inertia = raw.device_inertia_kg_m2.map(|inertia| {
+        let model_mass = model.device_mass_kg.as_ref();
+        let masses = self.device_masses(model_mass, model.device_mass_factor.clone(), devices);
+        let model_inertia = model.device_inertia_kg_m2.clone().map(|inertia| {
             self.places
                 .take(WorldPart::Method, Field::DeviceInertia, inertia.clone());
             let key = "device_inertia_kg_m2";
@@ -58,38 +41,125 @@ impl Reading {
             let turning = device.turning.as_ref();
             turning.map(|turning| model_inertia.unwrap_or(turning.inertia))
         });
+        for (field, value) in [
+            (Field::SpeedLimit, &raw.speed_limit_m_per_s),
+            (Field::LargestGap, &raw.largest_gap_s),
+        ] {
+            if let Some(value) = value {
+                self.places.take(WorldPart::Loop, field, value.clone());
+            }
+        }
+        let mut positive = |key: &str, value: Option<Spanned<f64>>| {
+            value.map(|value| self.number(key, value, Range::Positive))
+        };
+        let torque_limit = positive("torque_limit_n_m", raw.torque_limit_n_m);
+        let force_limit = positive("force_limit_n", raw.force_limit_n);
+        let speed_limit = positive("speed_limit_m_per_s", raw.speed_limit_m_per_s);
+        let largest_gap = positive("largest_gap_s", raw.largest_gap_s);
         WorldRender {
             method: raw.method.map_or_else(
                 || "coupled".into(),
                 |method| self.places.take(WorldPart::Method, Field::Method, method),
             ),
             device_mass: masses,
-            damping: raw
-                .damping_n_s_per_m
-                .map(|damping| self.number("damping_n_s_per_m", damping, Range::NotNegative)),
             device_inertia: inertia.collect(),
-            rotational_damping: raw.rotational_damping_n_m_s_per_rad.map(|damping| {
-                self.number(
-                    "rotational_damping_n_m_s_per_rad",
-                    damping,
-                    Range::NotNegative,
-                )
-            }),
-            torque_limit: raw
-                .torque_limit_n_m
-                .map(|limit| self.number("torque_limit_n_m", limit, Range::Positive)),
-            force_limit: raw
-                .force_limit_n
-                .map(|limit| self.number("force_limit_n", limit, Range::Positive)),
-            coupling: self.coupling([
-                raw.coupling_stiffness_n_per_m,
-                raw.coupling_mass_kg,
-                raw.coupling_rotational_stiffness_n_m_per_rad,
-                raw.coupling_inertia_kg_m2,
-            ]),
-            actuator: self.actuator([model.delay_s, model.lag_s, model.gain], actuator),
+            sensor_quantum: self.sensor_quantum(&model, devices),
+            settings: HashMap::new(),
+            speed_limit,
+            largest_gap,
+            torque_limit,
+            force_limit,
+            actuation: self.actuation(&model, known),
             guard: raw.guard.map_or(WorldGuard::Off, |guard| self.guard(guard)),
         }
+    }
+
+    /// Returns the model value of the position quantum `[m]`, if the model has one or has noise.
+    fn sensor_quantum(&mut self, model: &RawModel, devices: &[WorldDevice]) -> Option<f64> {
+        let mut given = |key: &str, value: &Option<Spanned<f64>>| {
+            let value = value.clone()?;
+            Some(self.number(key, value, Range::NotNegative))
+        };
+        let quantum = given("sensor_quantum_m", &model.sensor_quantum_m);
+        let noise = given("sensor_noise_m", &model.sensor_noise_m);
+        let Some(noise) = noise else {
+            return quantum;
+        };
+        let own = devices.iter().flat_map(|device| device.quantum);
+        let quantum = quantum.unwrap_or(own.fold(0.0, f64::max));
+        Some(quantum_of(noise).max(quantum))
+    }
+
+    /// Returns the model of the actuators: that of the file, by default `known`.
+    fn actuation(&mut self, model: &RawModel, known: Actuation<f64>) -> Actuation<f64> {
+        let mut or = |key: &str, value: &Option<Spanned<f64>>, known: f64, range| {
+            let value = value.clone();
+            value.map_or(known, |value| self.number(key, value, range))
+        };
+        let least = Range::NotNegative;
+        let deviations = ["delay_deviation_s", "lag_deviation_s", "gain_deviation"];
+        Actuation {
+            delay: or("delay_s", &model.delay_s, known.delay, least),
+            lag: or("lag_s", &model.lag_s, known.lag, least),
+            gain: or("gain", &model.gain, known.gain, Range::Positive),
+            delay_deviation: or(deviations[0], &model.delay_deviation_s, 0.0, least),
+            lag_deviation: or(deviations[1], &model.lag_deviation_s, 0.0, least),
+            gain_deviation: or(deviations[2], &model.gain_deviation, 0.0, least),
+            ..known
+        }
+    }
+
+    /// Returns the settings of the methods of worlds, by their names.
+    pub(super) fn settings(
+        &mut self,
+        raw: &HashMap<Spanned<String>, RawSettings>,
+    ) -> HashMap<&'static str, WorldSettings> {
+        let mut settings = HashMap::new();
+        for (name, given) in raw {
+            let mut known = WorldScene::METHODS.into_iter();
+            match known.find(|known| known == name.get_ref()) {
+                Some(method) => {
+                    settings.insert(method, self.settings_of(method, given));
+                }
+                // A fault elsewhere may be why this is no scene of one contact.
+                None if method_named(name.get_ref()).is_ok() && !self.damaged.is_empty() => {}
+                None => self.fault(name.span(), not_of_worlds(name.get_ref())),
+            }
+        }
+        settings
+    }
+
+    fn settings_of(&mut self, method: &str, given: &RawSettings) -> WorldSettings {
+        let mut settings = WorldSettings::default();
+        for (key, value) in &given.0 {
+            let Some(setting) = SETTINGS.iter().find(|setting| setting.key == key.get_ref()) else {
+                let known = SETTINGS.map(|setting| setting.key);
+                self.fault(key.span(), unknown_key(key.get_ref(), &known));
+                continue;
+            };
+            if !setting.methods.contains(&method) {
+                let users = setting.methods.join(", ");
+                let message = format!("{method} does not use {}; it is for {users}", setting.key);
+                self.fault(key.span(), message);
+                continue;
+            }
+            match value.get_ref().number() {
+                Some(number) => {
+                    let place = Spanned::new(value.span(), number);
+                    if setting.key == "damping_n_s_per_m" {
+                        self.places
+                            .take(WorldPart::Method, Field::Damping, place.clone());
+                    }
+                    let number = self.number(setting.key, place, setting.range);
+                    *(setting.field)(&mut settings) = Some(number);
+                }
+                None => {
+                    let message = format!("{} needs a number", setting.key);
+                    self.fault(value.span(), message);
+                }
+            }
+        }
+        settings
     }
 
     /// Returns the mass of each device in the model, along each axis `[kg]`: the device's own or `model_mass`, times the
@@ -127,22 +197,70 @@ impl Reading {
         }
         masses
     }
+}
 
-    /// Returns the given stiffness, mass, rotational stiffness and inertia of the coupling.
-    fn coupling(
-        &mut self,
-        [stiffness, mass, rotational_stiffness, inertia]: [Option<Spanned<f64>>; 4],
-    ) -> Coupling {
-        Coupling {
-            stiffness: stiffness
-                .map(|value| self.number("coupling_stiffness_n_per_m", value, Range::Positive)),
-            mass: mass.map(|value| self.number("coupling_mass_kg", value, Range::Positive)),
-            rotational_stiffness: rotational_stiffness.map(|value| {
-                let key = "coupling_rotational_stiffness_n_m_per_rad";
-                self.number(key, value, Range::Positive)
-            }),
-            inertia: inertia
-                .map(|value| self.number("coupling_inertia_kg_m2", value, Range::Positive)),
-        }
+/// A setting of a method of worlds.
+struct WorldSetting {
+    key: &'static str,
+    range: Range,
+    /// The methods that use it.
+    methods: &'static [&'static str],
+    field: fn(&mut WorldSettings) -> &mut Option<f64>,
+}
+
+const DAMPER: &str = "virtual-damper";
+const COUPLING: &str = "virtual-coupling";
+const GOD_OBJECT: &str = "god-object";
+
+const SETTINGS: [WorldSetting; 6] = [
+    WorldSetting {
+        key: "damping_n_s_per_m",
+        range: Range::NotNegative,
+        methods: &[DAMPER, COUPLING, GOD_OBJECT],
+        field: |settings| &mut settings.damping,
+    },
+    WorldSetting {
+        key: "rotational_damping_n_m_s_per_rad",
+        range: Range::NotNegative,
+        methods: &[DAMPER, COUPLING],
+        field: |settings| &mut settings.rotational_damping,
+    },
+    WorldSetting {
+        key: "coupling_stiffness_n_per_m",
+        range: Range::Positive,
+        methods: &[COUPLING, GOD_OBJECT],
+        field: |settings| &mut settings.coupling.stiffness,
+    },
+    WorldSetting {
+        key: "coupling_mass_kg",
+        range: Range::Positive,
+        methods: &[COUPLING],
+        field: |settings| &mut settings.coupling.mass,
+    },
+    WorldSetting {
+        key: "coupling_rotational_stiffness_n_m_per_rad",
+        range: Range::Positive,
+        methods: &[COUPLING],
+        field: |settings| &mut settings.coupling.rotational_stiffness,
+    },
+    WorldSetting {
+        key: "coupling_inertia_kg_m2",
+        range: Range::Positive,
+        methods: &[COUPLING],
+        field: |settings| &mut settings.coupling.inertia,
+    },
+];
+
+/// Returns the message for a name that is no method of worlds.
+fn not_of_worlds(name: &str) -> String {
+    if method_named(name).is_ok() {
+        return format!("{name} renders one contact along one axis; this scene is a world");
     }
+    let all = WorldScene::METHODS;
+    let meant = nearest(name, &all);
+    let meant = meant.map_or_else(|| ".".into(), |near| format!(", did you mean {near}?"));
+    format!(
+        "there is no method {name:?} for worlds{meant} Known here: {}",
+        all.join(", ")
+    )
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_scene::{Scene, SceneFile, beside};
+use palpate_scene::{ContactFile, Scene, beside};
 
 /// Folder of the committed scenes.
 pub fn experiments() -> PathBuf {
@@ -13,7 +13,7 @@ pub fn experiments() -> PathBuf {
 pub fn scene(name: &str) -> Scene {
     let path = experiments().join(name).with_extension("toml");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}"));
-    match SceneFile::parse_with(name, &text, &mut beside(&path)) {
+    match ContactFile::parse_with(name, &text, &mut beside(&path)) {
         Ok(file) => file.scene,
         Err(error) => panic!("{error}"),
     }

@@ -12,46 +12,51 @@ use std::path::{Path, PathBuf};
 use palpate_core::{AnyParams, HfcrParams, Mass, Parameter, ParameterError, ParameterValue, Side};
 use palpate_scene::method::{MethodName, SettingKey, UnknownMethod, method_named};
 use palpate_scene::{
-    Delay, Dropped, Jitter, Measure, RateCollapse, Scene, SceneFile, Timing, beside,
+    ContactFile, Delay, Dropped, Intention, Jitter, Measure, RateCollapse, Scene, Timing, beside,
 };
 use palpate_study::sim::closed_loop::{Bench, LoopError};
 
 /// A good file with every key there is, but duration_s.
-const GOOD: &str = r#"scene_format = 1
+const GOOD: &str = r#"format = 2
 title = "a block"
-
-[object]
-mass_kg = 0.1
-stiffness_n_per_m = 400
-position_m = 0.05
-velocity_m_per_s = 0
-force_n = -0.981
-side = "positive"
-
-[device]
-kind = "point-mass"
-mass_kg = 0.25
-position_m = 0
-velocity_m_per_s = 0
-encoder_quantum_m = 0
-
-[hand]
-kind = "constant-force"
-force_n = 1
 
 [loop]
 period_s = 0.02
 delay_samples = 0
 
-[measure]
-collisions = 3
+[[device]]
+name = "device"
+axes = ["x"]
+mass_kg = 0.25
+position_m = [0.0, 0.0, 0.0]
+velocity_m_per_s = [0.0, 0.0, 0.0]
+quantum_m = 0
 
-[renderer]
+[device.hand]
+force_n = [1.0, 0.0, 0.0]
+
+[[body]]
+name = "object"
+axes = ["x"]
+mass_kg = 0.1
+position_m = [0.05, 0.0, 0.0]
+velocity_m_per_s = [0.0, 0.0, 0.0]
+force_n = [-0.981, 0.0, 0.0]
+shape = { half_space = { normal = [-1.0, 0.0, 0.0] } }
+
+[[contact]]
+between = ["device", "object"]
+stiffness_n_per_m = 400
+
+[render]
 method = "hfcr"
 unilateral = false
 force_limit_n = 10
 slew_limit_n_per_s = 1000
 speed_limit_m_per_s = 10
+
+[measure]
+collisions = 3
 
 [methods.hfcr]
 damping_n_s_per_m = 0.1
@@ -64,6 +69,10 @@ initial_energy_j = 0
 [methods.seh]
 estimate = "ab2"
 "#;
+
+/// The keys of a body that moves; a wall has `fixed = true` in place of them.
+const MOVING: &str = "axes = [\"x\"]\nmass_kg = 0.1\nposition_m = [0.05, 0.0, 0.0]\n\
+                      velocity_m_per_s = [0.0, 0.0, 0.0]\nforce_n = [-0.981, 0.0, 0.0]\n";
 
 /// The text with its one `from` replaced by `to`.
 #[track_caller]
@@ -91,7 +100,7 @@ fn committed() -> Vec<PathBuf> {
 fn read(path: &Path) -> Scene {
     let text = std::fs::read_to_string(path).unwrap();
     let name = path.file_name().unwrap().to_str().unwrap();
-    SceneFile::parse_with(name, &text, &mut beside(path))
+    ContactFile::parse_with(name, &text, &mut beside(path))
         .unwrap_or_else(|error| panic!("{error}"))
         .scene
 }
@@ -136,7 +145,7 @@ fn the_paper_s_scenes_among_the_users_are_the_paper_s() {
 
 #[test]
 fn every_key_ends_up_in_the_scene() {
-    let scene = SceneFile::parse("good", GOOD).unwrap().scene;
+    let scene = ContactFile::parse("good", GOOD).unwrap().scene;
     assert_eq!(scene.title, "a block");
     assert_eq!(scene.contact.object_mass, Mass::Finite(0.1));
     assert_eq!(scene.contact.stiffness, 400.0);
@@ -160,13 +169,19 @@ fn every_key_ends_up_in_the_scene() {
         scene.settings[&MethodName::Hfcr].get(SettingKey::DAMPING),
         Some(ParameterValue::Number(0.1))
     );
-    let edit = |from, to| SceneFile::parse("edited", &edited(from, to)).unwrap().scene;
+    let edit = |from, to| {
+        ContactFile::parse("edited", &edited(from, to))
+            .unwrap()
+            .scene
+    };
     assert_eq!(
         edit("collisions = 3", "duration_s = 1.5").measure,
         Measure::Duration(1.5)
     );
     assert_eq!(
-        edit("\"positive\"", "\"negative\"").contact.side,
+        edit("normal = [-1.0, 0.0, 0.0]", "normal = [1.0, 0.0, 0.0]")
+            .contact
+            .side,
         Side::Negative
     );
     assert!(
@@ -175,9 +190,7 @@ fn every_key_ends_up_in_the_scene() {
             .unilateral
     );
     assert_eq!(
-        edit("mass_kg = 0.1\n", "mass_kg = inf\n")
-            .contact
-            .object_mass,
+        edit(MOVING, "fixed = true\n").contact.object_mass,
         Mass::Infinite
     );
     assert_eq!(
@@ -242,7 +255,7 @@ fn what_is_left_out_takes_its_documented_default() {
     ] {
         text = text.replace(line, "");
     }
-    let scene = SceneFile::parse("s", &text).unwrap().scene;
+    let scene = ContactFile::parse("s", &text).unwrap().scene;
     assert_eq!(
         (scene.delay, scene.method),
         (Delay::NONE, MethodName::Coupled)
@@ -281,10 +294,10 @@ fn what_is_left_out_takes_its_documented_default() {
     }
     // Pressed by 1 mm at the start: K p^2/2 may be given out, and M v^2/2.
     let text = text.replace(
-        "position_m = 0.05\nvelocity_m_per_s = 0",
-        "position_m = -0.001\nvelocity_m_per_s = 2",
+        "position_m = [0.05, 0.0, 0.0]\nvelocity_m_per_s = [0.0, 0.0, 0.0]",
+        "position_m = [-0.001, 0.0, 0.0]\nvelocity_m_per_s = [2.0, 0.0, 0.0]",
     );
-    let scene = SceneFile::parse("s", &text).unwrap().scene;
+    let scene = ContactFile::parse("s", &text).unwrap().scene;
     let AnyParams::Popc(popc) = scene.params(MethodName::Popc).unwrap() else {
         panic!("a passivity controller")
     };
@@ -297,17 +310,17 @@ fn columns_count_characters_and_lines_count_comments() {
         "# \u{b5}\u{b5}\n{}",
         edited("title", "\"\u{e9}\u{e9}\" = 1\ntitle")
     );
-    let error = SceneFile::parse("s", &text).unwrap_err();
+    let error = ContactFile::parse("s", &text).unwrap_err();
     assert_eq!((error.first().line, error.first().column), (3, 1));
     let text = edited("mass_kg = 0.1\n", "\"mass_kg\" = 0 # \u{b5}g\n");
-    let error = SceneFile::parse("s", &text).unwrap_err();
-    assert_eq!((error.first().line, error.first().column), (5, 13));
-    let text =
-        edited("[object]", "[object] # \u{b5}").replace("[loop]\n", "[loop]\nq = \"\u{b5}\"; z\n");
-    let error = SceneFile::parse("s", &text).unwrap_err();
+    let error = ContactFile::parse("s", &text).unwrap_err();
+    assert_eq!((error.first().line, error.first().column), (22, 13));
+    let text = edited("[[body]]", "[[body]] # \u{b5}")
+        .replace("[render]\n", "[render]\nq = \"\u{b5}\"; z\n");
+    let error = ContactFile::parse("s", &text).unwrap_err();
     assert_eq!(
         (error.first().line, error.first().column),
-        (24, 8),
+        (33, 8),
         "{error}"
     );
 }
@@ -315,13 +328,13 @@ fn columns_count_characters_and_lines_count_comments() {
 #[test]
 fn a_window_the_ideal_cannot_fill_says_how_many_collisions_there_are() {
     // The hand pulls the device away: one collision and no other.
-    let text = edited("force_n = 1\n", "force_n = -8\n")
+    let text = edited("force_n = [1.0, 0.0, 0.0]", "force_n = [-8.0, 0.0, 0.0]")
         .replace(
-            "position_m = 0\nvelocity_m_per_s = 0",
-            "position_m = 0\nvelocity_m_per_s = 2",
+            "velocity_m_per_s = [0.0, 0.0, 0.0]\nquantum_m",
+            "velocity_m_per_s = [2.0, 0.0, 0.0]\nquantum_m",
         )
-        .replace("force_n = -0.981", "force_n = 0");
-    let scene = SceneFile::parse("s", &text).unwrap().scene;
+        .replace("force_n = [-0.981, 0.0, 0.0]", "force_n = [0.0, 0.0, 0.0]");
+    let scene = ContactFile::parse("s", &text).unwrap().scene;
     let error = Bench::new(&scene).unwrap_err();
     assert_eq!(error, LoopError::TooFewCollisions { asked: 3, found: 1 });
     assert_eq!(
@@ -329,8 +342,8 @@ fn a_window_the_ideal_cannot_fill_says_how_many_collisions_there_are() {
         "the window requires 3 collisions, but the ideal has only 1; give a duration instead"
     );
     // Falling apart from the start: none.
-    let text = edited("force_n = 1\n", "force_n = -9\n");
-    let scene = SceneFile::parse("s", &text).unwrap().scene;
+    let text = edited("force_n = [1.0, 0.0, 0.0]", "force_n = [-9.0, 0.0, 0.0]");
+    let scene = ContactFile::parse("s", &text).unwrap().scene;
     let error = Bench::new(&scene).unwrap_err();
     assert_eq!(error, LoopError::TooFewCollisions { asked: 3, found: 0 });
 }
@@ -338,7 +351,7 @@ fn a_window_the_ideal_cannot_fill_says_how_many_collisions_there_are() {
 #[test]
 fn a_window_that_is_too_long_is_refused_and_a_duration_covers_whole_periods() {
     let bench_of = |to: &str| {
-        let scene = SceneFile::parse("s", &edited("collisions = 3", to))
+        let scene = ContactFile::parse("s", &edited("collisions = 3", to))
             .unwrap()
             .scene;
         Bench::new(&scene).map(|bench| bench.reference().profile.intervals())
@@ -356,13 +369,23 @@ fn a_window_that_is_too_long_is_refused_and_a_duration_covers_whole_periods() {
     }
 }
 
+/// A key of its mass, spring or damper makes a hand a grip, even as 0; its spring rests where the device starts.
 #[test]
-fn a_hand_without_a_kind_is_a_constant_force() {
-    let scene = |text: &str| SceneFile::parse("s", text).unwrap().scene;
-    assert_eq!(
-        scene(&edited("kind = \"constant-force\"\n", "")),
-        scene(GOOD)
-    );
+fn a_hand_has_a_grip_if_a_key_of_it_is_given() {
+    let grip = |keys: &str| {
+        let text = edited("force_n = [1.0, 0.0, 0.0]", keys);
+        let text = text.replace(
+            "position_m = [0.0, 0.0, 0.0]",
+            "position_m = [-0.01, 0.0, 0.0]",
+        );
+        let scene = ContactFile::parse("s", &text).unwrap().scene;
+        scene.device.grip().cloned()
+    };
+    assert_eq!(grip("force_n = [1.0, 0.0, 0.0]"), None);
+    let spring = grip("stiffness_n_per_m = 0").unwrap();
+    assert_eq!(spring.intention, Intention::at(-0.01));
+    let rest = grip("rest_m = [0.02, 0.0, 0.0]").unwrap();
+    assert_eq!(rest.intention, Intention::at(0.02));
 }
 
 #[test]
@@ -386,7 +409,7 @@ fn a_method_by_name_suggests_the_nearest() {
 
 #[test]
 fn a_scene_made_in_code_is_checked_before_it_runs() {
-    let mut scene = SceneFile::parse("good", GOOD).unwrap().scene;
+    let mut scene = ContactFile::parse("good", GOOD).unwrap().scene;
     *scene.device.encoder_quantum_mut() = -1.0;
     let error = Bench::new(&scene).unwrap_err();
     let LoopError::Setup(palpate_scene::SetupError::Parameter(ParameterError {

@@ -1,6 +1,6 @@
 //! A scene with several errors reports all of them at once, each at its position.
 
-use palpate_scene::{HandForceAt, SceneFile};
+use palpate_scene::{ContactFile, HandForceAt};
 
 use super::{GOOD, edited};
 
@@ -10,7 +10,7 @@ fn said(edits: &[(&str, &str)]) -> Vec<String> {
         assert_eq!(text.matches(from).count(), 1, "{from}");
         text.replace(from, to)
     });
-    let errors = SceneFile::parse("scene.toml", &text).unwrap_err();
+    let errors = ContactFile::parse("scene.toml", &text).unwrap_err();
     for error in &errors {
         assert_eq!(
             (error.file.as_str(), &error.source_text),
@@ -30,16 +30,18 @@ fn key_combination_and_range_errors_are_reported_in_file_order() {
     assert_eq!(
         said(&[
             ("stiffness_n_per_m = 400", "stiffness_n_per_m = -400"),
-            ("mass_kg = 0.25", "mass_kg = 0.25\npreset = \"paper-like\""),
+            (
+                "mass_kg = 0.25",
+                "mass_kg = 0.25\nsafety_box = { y_m = [-1, 1] }"
+            ),
             ("period_s = 0.02", "period_s = 0.02\nperod_s = 1"),
         ]),
         [
-            "scene.toml:6:21: object.stiffness_n_per_m is -400 N/m, but must be finite and greater \
-             than 0",
-            "scene.toml:15:10: only a device of kind pantograph has a preset or a file",
-            "scene.toml:26:1: unknown key perod_s, did you mean period_s? Known here: period_s, \
+            "scene.toml:6:1: unknown key perod_s, did you mean period_s? Known here: period_s, \
              delay_samples, delay_fraction, delay_s, command_jitter_s, lag_s, gain, jitter_s, \
              jitter_deviation_s, drop_probability, dropped_samples, collapse, seed",
+            "scene.toml:13:14: device.safety_box is for a device with a linkage",
+            "scene.toml:32:21: contact.stiffness_n_per_m is -400 N/m, but must be finite and greater than 0",
         ]
     );
 }
@@ -54,10 +56,10 @@ fn range_errors_of_device_contact_loop_and_method_are_reported_together() {
             ("damping_n_s_per_m = 0.1", "damping_n_s_per_m = -0.1"),
         ]),
         [
-            "scene.toml:14:11: device.mass_kg is 0 kg, but must be finite and greater than 0",
-            "scene.toml:24:12: loop.period_s is -0.02 s, but must be finite and greater than 0",
-            "scene.toml:33:17: renderer.force_limit_n is 0 N, but must be finite and greater than 0",
-            "scene.toml:38:21: damping_n_s_per_m is -0.1 N s/m, but must be finite and not below 0",
+            "scene.toml:5:12: loop.period_s is -0.02 s, but must be finite and greater than 0",
+            "scene.toml:11:11: device.mass_kg is 0 kg, but must be finite and greater than 0",
+            "scene.toml:35:17: render.force_limit_n is 0 N, but must be finite and greater than 0",
+            "scene.toml:43:21: damping_n_s_per_m is -0.1 N s/m, but must be finite and not below 0",
         ]
     );
 }
@@ -68,72 +70,92 @@ fn a_fault_draws_no_others_after_it() {
     // K T/2 of the damper and 3 K T of the controllers would be negative.
     let stiffness = ("stiffness_n_per_m = 400", "stiffness_n_per_m = -400");
     assert_eq!(said(&[stiffness]).len(), 1);
-    // Without its preset the device is not a pantograph, so the hand's force cannot act through its motors.
+    // Without its preset, the hand's force cannot act through motors.
+    let text = on_linkage("sigma", "force_at = \"motors\"");
+    let errors = ContactFile::parse("scene.toml", &text).unwrap_err();
+    let said: Vec<_> = errors.into_iter().map(|error| error.message).collect();
+    assert_eq!(
+        said,
+        [
+            "no preset is called \"sigma\"; the presets are paper-like, 2diy-gen1, 2diy-gen2, 2diy-gen3"
+        ]
+    );
+    let text = on_linkage("paper", "force_n = [0.0, 1.0, 0.0]");
+    let errors = ContactFile::parse("scene.toml", &text).unwrap_err();
+    assert_eq!(
+        errors.first().message,
+        "no preset is called \"paper\"; did you mean \"paper-like\"?"
+    );
+}
+
+/// Returns the valid file on a linkage along y, with a hand of these keys.
+fn on_linkage(preset: &str, hand: &str) -> String {
     let text = edited(
-        "kind = \"point-mass\"\nmass_kg = 0.25",
-        "kind = \"pantograph\"\npreset = \"x\"",
+        "mass_kg = 0.25\nposition_m = [0.0, 0.0, 0.0]\nvelocity_m_per_s = [0.0, 0.0, 0.0]\nquantum_m = 0",
+        &format!("linkage = {{ preset = \"{preset}\" }}"),
     );
-    let errors = SceneFile::parse(
-        "scene.toml",
-        &text.replace("force_n = 1\n", "force_n = 1\nforce_at = \"motors\"\n"),
-    );
-    let said: Vec<_> = errors
-        .unwrap_err()
-        .into_iter()
-        .map(|error| error.message)
-        .collect();
-    assert_eq!(said.len(), 1, "{said:?}");
-    assert!(said[0].contains("no preset is called \"x\""), "{said:?}");
+    text.replace("axes = [\"x\"]", "axes = [\"y\"]")
+        .replace("force_n = [1.0, 0.0, 0.0]", hand)
+        .replace("[0.05, 0.0, 0.0]", "[0.0, 0.05, 0.0]")
+        .replace("[-0.981, 0.0, 0.0]", "[0.0, -0.981, 0.0]")
+        .replace("[-1.0, 0.0, 0.0]", "[0.0, -1.0, 0.0]")
 }
 
 #[test]
 fn a_file_with_mistakes_of_device_hand_and_loop_shows_all_three() {
-    // A constant force has no stiffness; a point mass has no motors at joints; one delay is enough.
+    // A point mass has no motors at joints; one delay is enough.
     let text = edited(
-        "kind = \"constant-force\"\nforce_n = 1",
+        "force_n = [1.0, 0.0, 0.0]",
         "tremor_n = 0.1\ntremor_hz = -8\nforce_at = \"motors\"",
     )
     .replace("delay_samples = 0", "delay_samples = 1\ndelay_s = 0.01");
-    let errors = SceneFile::parse("scene.toml", &text).unwrap_err();
+    let errors = ContactFile::parse("scene.toml", &text).unwrap_err();
     let said: Vec<String> = errors.iter().map(ToString::to_string).collect();
     assert_eq!(
         said,
         [
-            "scene.toml:21:13: hand.tremor_hz is -8 Hz, but must be finite and greater than 0",
-            "scene.toml:22:12: force_at = \"motors\" is for a device of kind pantograph, whose motors give torques",
-            "scene.toml:27:11: either delay_s, or delay_samples with delay_fraction; not both",
+            "scene.toml:7:11: either delay_s, or delay_samples with delay_fraction; not both",
+            "scene.toml:19:13: device.hand.tremor_hz is -8 Hz, but must be finite and greater than 0",
+            "scene.toml:20:12: device.hand.force_at is for a device with a linkage",
         ]
     );
 }
 
 #[test]
 fn a_pantograph_is_in_the_hand_of_a_constant_force() {
-    let text = edited(
-        "kind = \"point-mass\"\nmass_kg = 0.25\nposition_m = 0\nvelocity_m_per_s = 0\nencoder_quantum_m = 0",
-        "kind = \"pantograph\"\npreset = \"paper-like\"",
+    let text = on_linkage(
+        "paper-like",
+        "force_n = [0.0, 1.0, 0.0]\nforce_at = \"motors\"",
     );
-    let of = |hand: &str| text.replace("kind = \"constant-force\"\nforce_n = 1", hand);
-    let scene = SceneFile::parse("scene.toml", &of("force_n = 1\nforce_at = \"motors\""));
+    let scene = ContactFile::parse("scene.toml", &text);
     let device = scene.unwrap().scene.device;
     let device = device.pantograph().unwrap();
     assert_eq!((device.force, device.force_at), (1.0, HandForceAt::Motors));
-    let hand = of("kind = \"impedance\"\ntremor_n = 0.1\ntremor_hz = 8\nrelease_s = 0.1");
-    let errors = SceneFile::parse("scene.toml", &hand).unwrap_err();
-    let said: Vec<String> = errors.iter().map(ToString::to_string).collect();
-    let only = |at: &str, what: &str| {
-        format!(
-            "scene.toml:{at}: the hand of a pantograph is a constant force; {what} is for a device of kind point-mass"
-        )
+    let text = on_linkage(
+        "paper-like",
+        "stiffness_n_per_m = 1\ntremor_n = 0.1\ntremor_hz = 8\nrelease_s = 0.1",
+    );
+    let errors = ContactFile::parse("scene.toml", &text).unwrap_err();
+    let only = |key: &str| {
+        format!("device.hand.{key} is for the hand of a point mass; that of a linkage only pushes")
     };
+    let said: Vec<_> = errors.iter().map(|error| error.message.clone()).collect();
+    assert_eq!(
+        said,
+        ["stiffness_n_per_m", "tremor_n", "tremor_hz", "release_s"].map(only)
+    );
+    let text = on_linkage("paper-like", "force_n = [0.0, 1.0, 0.0]");
+    let text = text.replace(
+        "linkage = ",
+        "mass_kg = 0.2\ndrivetrain.backlash_m = 1e-5\nlinkage = ",
+    );
+    let errors = ContactFile::parse("scene.toml", &text).unwrap_err();
+    let said: Vec<_> = errors.iter().map(|error| error.message.clone()).collect();
     assert_eq!(
         said,
         [
-            only("17:8", "kind = \"impedance\""),
-            only("18:12", "a tremor"),
-            only("20:13", "release_s"),
+            "device.mass_kg is set by the linkage",
+            "device.drivetrain.backlash_m is set by the linkage"
         ]
     );
-    // If the device itself is invalid, the valid properties of its hand are unknown.
-    let errors = SceneFile::parse("scene.toml", &hand.replace("paper-like", "sigma")).unwrap_err();
-    assert_eq!(errors.iter().count(), 1, "{errors}");
 }

@@ -2,17 +2,17 @@
 
 use std::sync::Arc;
 
-use palpate_scene::{Grip, Intention, Scene, SceneFile};
+use palpate_scene::{ContactFile, Grip, Intention, Scene};
 use palpate_testbed::recorded_path::RecordedPath;
 
-use super::{GOOD, edited};
+use super::{GOOD, MOVING, edited};
 use crate::common;
 
 /// Checks that `text` reads to the same scene as its written form.
 #[track_caller]
 fn assert_written(name: &str, text: &str) -> Scene {
     let read = |text: &str| {
-        SceneFile::parse(name, text)
+        ContactFile::parse(name, text)
             .unwrap_or_else(|error| panic!("{error} in:\n{text}"))
             .scene
     };
@@ -38,48 +38,49 @@ fn the_committed_scenes_read_back_from_what_is_written_of_them() {
 fn every_key_is_written() {
     assert_written("good", GOOD);
     let edit = |from, to| assert_written("edited", &edited(from, to));
-    let model = edit(
-        "unilateral = false",
-        "device_mass_kg = 0.3\nunilateral = true",
-    );
+    let model = edit("[measure]", "[model]\ndevice_mass_kg = 0.3\n\n[measure]");
     assert_eq!(model.model_device_mass, Some(0.3));
-    assert!(model.contact.unilateral);
+    assert!(
+        edit("unilateral = false", "unilateral = true")
+            .contact
+            .unilateral
+    );
     for (from, to) in [
         ("\"a block\"", "\"a \\\"block\\\", \\\\ and a\\ttab\""),
-        ("mass_kg = 0.1\n", "mass_kg = inf\n"),
+        (MOVING, "fixed = true\nposition_m = [0.05, 0.0, 0.0]\n"),
         ("collisions = 3", "duration_s = 0.1234567890123456789"),
-        ("\"positive\"", "\"negative\""),
-        ("force_n = -0.981", "force_n = -0.0"),
+        ("normal = [-1.0, 0.0, 0.0]", "normal = [1.0, 0.0, 0.0]"),
+        ("force_n = [-0.981, 0.0, 0.0]", "force_n = [-0.0, 0.0, 0.0]"),
         (
-            "velocity_m_per_s = 0\nforce",
-            "velocity_m_per_s = 1e-300\nforce",
+            "velocity_m_per_s = [0.0, 0.0, 0.0]\nforce",
+            "velocity_m_per_s = [1e-300, 0.0, 0.0]\nforce",
         ),
-        ("encoder_quantum_m = 0", "encoder_quantum_m = 1e-5"),
+        ("quantum_m = 0", "quantum_m = 1e-5"),
         (
-            "encoder_quantum_m = 0",
-            "viscous_n_s_per_m = 0.1\ncoulomb_n = 0.02\nmotor_limit_n = 3",
-        ),
-        (
-            "force_n = 1\n",
-            "force_n = 1\ntremor_n = 0.2\ntremor_hz = 8\n",
+            "quantum_m = 0\n",
+            "\n[device.drivetrain]\nviscous_friction_n_s_per_m = 0.1\ncoulomb_friction_n = 0.02\nmotor_limit_n = 3\n",
         ),
         (
-            "kind = \"constant-force\"",
-            "kind = \"impedance\"\nmass_kg = 0.1\nstiffness_n_per_m = 60\ndamping_n_s_per_m = 1\n\
-             position_m = 0.01\nswing_m = 0.02\nswing_hz = 2",
+            "force_n = [1.0, 0.0, 0.0]\n",
+            "force_n = [1.0, 0.0, 0.0]\ntremor_n = 0.2\ntremor_hz = 8\n",
+        ),
+        (
+            "force_n = [1.0, 0.0, 0.0]\n",
+            "mass_kg = 0.1\nstiffness_n_per_m = 60\ndamping_n_s_per_m = 1\n\
+             rest_m = [0.01, 0.0, 0.0]\nswing_m = [0.02, 0.0, 0.0]\nswing_hz = 2\n",
         ),
         ("delay_samples = 0", "delay_samples = 3"),
         (
             "delay_samples = 0",
             "delay_s = 0.0123\ncommand_jitter_s = 0.001\nlag_s = 3e-4\ngain = 0.97\n\n[model]\n\
              delay_s = 0.013\ndelay_deviation_s = 1e-5\nlag_s = 2e-4\nlag_deviation_s = 1e-4\n\
-             gain = 1.01\ngain_deviation = 0.02\nsensor_noise_m = 5e-6\nresonance_hz = 140\nresonance_damping_ratio = 0.03\n\
-             flexible_mass_fraction = 0.4",
+             gain = 1.01\ngain_deviation = 0.02\nsensor_quantum_m = 1e-6\nsensor_noise_m = 5e-6\nresonance_hz = 140\nresonance_damping_ratio = 0.03\n\
+             flexible_mass_fraction = 0.4\n",
         ),
         (
-            "encoder_quantum_m = 0",
-            "noise_m = 1e-6\nresonance_hz = 150\nresonance_damping_ratio = 0.05\n\
-             motor_mass_share = 0.6\nbacklash_m = 1e-5\ncogging_n = 0.1\ncogging_pitch_m = 0.005",
+            "quantum_m = 0\n",
+            "noise_m = 1e-6\n\n[device.drivetrain]\nresonance_hz = 150\nresonance_damping_ratio = 0.05\n\
+             motor_mass_fraction = 0.6\nbacklash_m = 1e-5\ncogging_n = 0.1\ncogging_pitch_m = 0.005\n",
         ),
         (
             "delay_samples = 0",
@@ -117,7 +118,10 @@ fn every_key_is_written() {
         ("estimate = \"ab2\"", "estimate = \"ab3\""),
         ("estimate = \"ab2\"", "estimate = \"differences\""),
         ("period_s = 0.02", "period_s = 0.1e-4"),
-        ("force_n = -0.981", "force_n = -0.981\nradius_m = 0.01"),
+        (
+            "force_n = [-0.981, 0.0, 0.0]",
+            "force_n = [-0.981, 0.0, 0.0]\ncentre_m = [0.01, 0.0, 0.0]",
+        ),
     ] {
         edit(from, to);
     }
@@ -125,7 +129,7 @@ fn every_key_is_written() {
 
 #[test]
 fn what_has_no_key_is_not_left_out_silently() {
-    let mut scene = SceneFile::parse("good", GOOD).unwrap().scene;
+    let mut scene = ContactFile::parse("good", GOOD).unwrap().scene;
     let path = RecordedPath::new(&[0.0, 1.0], &[0.0, 0.1]).unwrap();
     scene.device.point_mass_mut().unwrap().hand.grip = Some(Grip {
         mass: 0.1,

@@ -1,4 +1,4 @@
-//! Devices of a scene file of format 2: axes, torques and masses.
+//! Devices of a scene file: axes, torques and masses.
 
 use palpate_scene::world::WorldFile;
 
@@ -8,7 +8,7 @@ use super::{BALL, said};
 fn a_device_says_which_axes_it_has() {
     let in_a_plane = |of: &str| {
         BALL.replace("mass_kg = [0.25, 0.3, 0.35]", of)
-            .replace("hand_force_n = [0.0, 0.0, -1.0]\nquantum_m = 2e-6\n", "")
+            .replace("hand.force_n = [0.0, 0.0, -1.0]\nquantum_m = 2e-6\n", "")
     };
     let scene = WorldFile::parse(
         "ball.toml",
@@ -41,7 +41,7 @@ fn a_device_may_have_axes_of_its_own() {
     let with = |of: &str| {
         let source = BALL
             .replace("mass_kg = [0.25, 0.3, 0.35]", of)
-            .replace("hand_force_n = [0.0, 0.0, -1.0]\nquantum_m = 2e-6\n", "");
+            .replace("hand.force_n = [0.0, 0.0, -1.0]\nquantum_m = 2e-6\n", "");
         WorldFile::parse("ball.toml", &source).unwrap().scene
     };
     let scene = with(
@@ -151,7 +151,7 @@ fn axes_that_contradict_the_rest_are_refused() {
         moved,
         [
             format!("ball.toml:11:20: velocity_m_per_s is -0.1 {why}"),
-            format!("ball.toml:13:16: hand_force_n is -1 {why}"),
+            format!("ball.toml:13:16: hand.force_n is -1 {why}"),
         ]
     );
 }
@@ -188,7 +188,10 @@ fn a_device_says_whether_it_gives_a_torque() {
     );
 
     // A virtual coupling needs no rotational keys for a torque-free device; a god-object does not turn a tool.
-    let coupling = "method = \"virtual-coupling\"\ncoupling_stiffness_n_per_m = 1000.0\ncoupling_mass_kg = 0.1\ndamping_n_s_per_m = 2.0";
+    let coupling = "method = \"virtual-coupling\"\n[methods.virtual-damper]\ndamping_n_s_per_m = 2.0\n\
+                    [methods.virtual-coupling]\ncoupling_stiffness_n_per_m = 1000.0\ncoupling_mass_kg = 0.1\n\
+                    damping_n_s_per_m = 2.0\n\
+                    [methods.god-object]\ncoupling_stiffness_n_per_m = 1000.0\ndamping_n_s_per_m = 2.0";
     let stylus = with(&format!("{inertia}\ngives_torque = false"));
     let coupled = stylus.replace("method = \"coupled\"", coupling);
     let coupled = WorldFile::parse("ball.toml", &coupled).unwrap().scene;
@@ -207,7 +210,7 @@ fn a_device_says_whether_it_gives_a_torque() {
 fn the_mass_of_a_device_may_change_with_its_place() {
     let with = |of: &str| {
         BALL.replace("mass_kg = [0.25, 0.3, 0.35]", of)
-            .replace("hand_force_n = [0.0, 0.0, -1.0]\nquantum_m = 2e-6\n", "")
+            .replace("hand.force_n = [0.0, 0.0, -1.0]\nquantum_m = 2e-6\n", "")
             .replace("device_mass_kg = 0.375\n", "")
     };
     let table = "axes = [\"x\", \"z\"]\n\
@@ -224,7 +227,7 @@ fn the_mass_of_a_device_may_change_with_its_place() {
     assert!((one * other - (0.25 * 0.3 - 0.05 * 0.05)).abs() < 1e-12);
     assert_eq!(scene.render.device_mass, [device.mass]);
     for (of, says) in [
-        ("", "a device needs either mass_kg or mass_table"),
+        ("", "a device needs mass_kg, mass_table or linkage"),
         (
             &format!("{table}\nmass_kg = 0.3")[..],
             "a device has either mass_kg or mass_table",

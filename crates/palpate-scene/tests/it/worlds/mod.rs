@@ -1,9 +1,10 @@
-//! Scene files of format 2, and their error messages.
+//! Scene files of worlds, and their error messages.
 #![allow(missing_docs)]
 
 mod devices;
 
-use palpate_scene::world::{WorldFile, usual_guard};
+use palpate_scene::world::{WorldActuator, WorldFile, usual_guard};
+use palpate_scene::{ContactFile, SceneFile};
 use palpate_world::{Motion, Party, Shape, WorldGuard, WorldGuardParams};
 
 const BALL: &str = r#"
@@ -16,7 +17,7 @@ delay_s = 0.0005
 name = "tool"
 mass_kg = [0.25, 0.3, 0.35]
 position_m = [0.0, 0.0, 0.08]
-hand_force_n = [0.0, 0.0, -1.0]
+hand.force_n = [0.0, 0.0, -1.0]
 quantum_m = 2e-6
 tool = { sphere = { radius_m = 0.01 } }
 [[body]]
@@ -41,6 +42,7 @@ stiffness_n_per_m = 8000
 friction_stiffness_n_per_m = 2000.0
 [render]
 method = "coupled"
+[model]
 device_mass_kg = 0.375
 "#;
 
@@ -51,19 +53,17 @@ fn said(source: &str) -> Vec<String> {
 
 #[test]
 fn a_world_is_read_with_its_devices_bodies_and_contacts() {
-    assert!(WorldFile::is_world_file(BALL));
-    let as_one_contact = palpate_scene::SceneFile::parse("ball.toml", BALL).unwrap_err();
-    assert!(
-        as_one_contact
-            .to_string()
-            .contains("the key format belongs to a world of several bodies")
+    let any = SceneFile::parse("ball.toml", BALL).unwrap();
+    assert!(matches!(any, SceneFile::World(_)));
+    let as_one_contact = ContactFile::parse("ball.toml", BALL).unwrap_err();
+    assert_eq!(
+        as_one_contact.to_string(),
+        "ball.toml:7:1: one contact along one axis is needed here, but the device has 3 axes"
     );
-    let without = BALL.replace("format = 2", "");
-    let said = palpate_scene::SceneFile::parse("ball.toml", &without).unwrap_err();
-    let said = said.to_string();
-    assert!(
-        said.contains("a world with [[device]] and [[body]] needs format = 2"),
-        "{said}"
+    let without = said(&BALL.replace("format = 2", ""));
+    assert_eq!(
+        without,
+        ["ball.toml:1:1: the key format is missing; a scene has format = 2"]
     );
     let scene = WorldFile::parse("ball.toml", BALL).unwrap().scene;
     assert_eq!(scene.timing.period, 0.001);
@@ -78,7 +78,9 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     assert_eq!(device.hand.rest, device.position);
     assert_eq!(scene.render.device_mass, [[0.375; 3]]);
     // Without `[model]`, the model values equal the true ones.
-    assert_eq!(scene.render.actuator, scene.timing.actuator);
+    let (model, actuator) = (scene.render.actuation, scene.timing.actuator);
+    let WorldActuator { delay, lag, gain } = actuator;
+    assert_eq!((model.delay, model.lag, model.gain), (delay, lag, gain));
     let [ball, floor] = &scene.world.bodies[..] else {
         panic!("two bodies")
     };
@@ -113,9 +115,9 @@ fn every_fault_is_said_at_its_place() {
         said(&wrong),
         [
             "ball.toml:5:12: period_s is 0, and has to be above 0",
-            "ball.toml:16:1: unknown key mas_kg, did you mean mass_kg? Known here: name, fixed, mass_kg, \
-             inertia_kg_m2, position_m, orientation, velocity_m_per_s, angular_velocity_rad_per_s, force_n, \
-             shape",
+            "ball.toml:16:1: unknown key mas_kg, did you mean mass_kg? Known here: name, fixed, axes, \
+             mass_kg, inertia_kg_m2, position_m, centre_m, orientation, velocity_m_per_s, \
+             angular_velocity_rad_per_s, force_n, shape",
             "ball.toml:27:21: contact between \"tool\" and \"*\": stiffness is -4000, and has to be above 0",
             "ball.toml:31:11: contact between \"ball\" and \"flor\": \"flor\" is neither a tool nor a body of \
              this world",
@@ -317,11 +319,7 @@ fn numbers_that_no_world_has_are_refused() {
             "name = \"tool\"",
             "the name is taken by another tool or body",
         ),
-        (
-            "format = 2",
-            "format = 3",
-            "format is 3; a world with [[device]] and [[body]] needs 2",
-        ),
+        ("format = 2", "format = 3", "format is 3, but must be 2"),
     ] {
         let said = said(&BALL.replacen(right, wrong, 1));
         assert!(said[0].contains(message), "{wrong}: {said:?}");
@@ -411,4 +409,144 @@ fn a_guard_is_read_and_its_faults_are_said() {
     let error = file.at(faults[0].part, faults[0].field, faults[0].to_string());
     assert!(error.to_string().contains("at most 8"), "{error}");
     assert_eq!(&late[error.span.clone()], "9");
+}
+
+/// A world says which keys it cannot honour, and why it is a world.
+#[test]
+fn keys_of_one_contact_are_refused_in_a_world() {
+    let after = |place: &str, keys: &str| BALL.replacen(place, &format!("{place}\n{keys}"), 1);
+    for (place, keys) in [
+        ("period_s = 0.001", "jitter_s = 1e-4"),
+        ("period_s = 0.001", "seed = 3"),
+        ("quantum_m = 2e-6", "hand.release_s = 0.3"),
+        ("quantum_m = 2e-6", "noise_m = 1e-6"),
+        ("quantum_m = 2e-6", "drivetrain.coulomb_friction_n = 0.1"),
+        ("[render]", "slew_limit_n_per_s = 10"),
+        ("[model]", "resonance_hz = 100"),
+    ] {
+        let (key, _) = keys.split_once(" = ").unwrap();
+        let said = said(&after(place, keys));
+        let [only] = &said[..] else {
+            panic!("{keys}: {said:?}")
+        };
+        let words =
+            format!("{key} is for one contact along one axis only, but the device has 3 axes");
+        assert!(only.ends_with(&words), "{only}");
+    }
+    let along = said(&BALL.replace("mass_kg = 0.1", "mass_kg = 0.1\naxes = [\"z\"]"));
+    assert!(along[0].contains("a body with `axes`"), "{along:?}");
+    // A viscous friction is damping of the hand; a part of a period is unknown to the model.
+    let works = after(
+        "quantum_m = 2e-6",
+        "drivetrain.viscous_friction_n_s_per_m = 0.5",
+    );
+    let works = works.replace(
+        "delay_s = 0.0005",
+        "delay_samples = 1\ndelay_fraction = 0.25",
+    );
+    let scene = WorldFile::parse("ball.toml", &works).unwrap().scene;
+    assert_eq!(scene.devices[0].hand.damping, 0.5);
+    assert_eq!(scene.timing.actuator.delay, 0.00125);
+    assert_eq!(scene.render.actuation.delay, 0.001);
+}
+
+#[test]
+fn a_setting_of_a_method_is_for_the_methods_that_use_it() {
+    let with = |table: &str| format!("{BALL}\n[methods.{table}\n");
+    let read = with("god-object]\ncoupling_stiffness_n_per_m = 900\ndamping_n_s_per_m = 3");
+    let scene = WorldFile::parse("ball.toml", &read).unwrap().scene;
+    assert!(scene.renderer("god-object").is_ok());
+    assert!(scene.renderer("virtual-damper").is_err());
+    for (table, words) in [
+        (
+            "god-object]\ncoupling_mass_kg = 0.1",
+            "god-object does not use coupling_mass_kg; it is for virtual-coupling",
+        ),
+        (
+            "coupled]\ndamping_n_s_per_m = 1",
+            "coupled does not use damping_n_s_per_m; it is for virtual-damper, virtual-coupling, god-object",
+        ),
+        (
+            "virtual-damper]\ndamping_n_s_per = 1",
+            "unknown key damping_n_s_per, did you mean damping_n_s_per_m?",
+        ),
+        (
+            "virtual-damper]\ndamping_n_s_per_m = \"auto\"",
+            "damping_n_s_per_m needs a number",
+        ),
+        (
+            "virtual-damper]\ndamping_n_s_per_m = -1",
+            "damping_n_s_per_m is -1, and has to be at least 0",
+        ),
+        (
+            "seh]\nestimate = \"ab2\"",
+            "seh renders one contact along one axis; this scene is a world",
+        ),
+    ] {
+        let said = said(&with(table));
+        assert!(said.len() == 1 && said[0].contains(words), "{said:?}");
+    }
+}
+
+#[test]
+fn one_contact_along_one_axis_is_read_as_such() {
+    let wall = r#"
+format = 2
+loop = { period_s = 0.001 }
+render = { method = "basic" }
+[[device]]
+name = "tip"
+axes = [[0.0, 0.6, 0.8]]
+mass_kg = [0.2]
+position_m = [5.0, -0.012, -0.016]
+hand.force_n = [0.0, 0.6, 0.8]
+[[body]]
+name = "wall"
+fixed = true
+position_m = [9.0, 0.0, 0.0]
+orientation = [0.0, 1.0, 0.0, 0.0]
+shape = { half_space = { normal = [0.0, 3.0, 4.0], offset_m = 0.01 } }
+[[contact]]
+between = "*"
+stiffness_n_per_m = 1000
+"#;
+    let file = ContactFile::parse("wall.toml", wall).unwrap();
+    let scene = file.scene;
+    assert!((scene.object.position + 0.01).abs() < 1e-15);
+    assert_eq!(scene.contact.side, palpate_core::Side::Positive);
+    assert!((scene.device.position() + 0.02).abs() < 1e-15);
+    assert!((scene.device.hand_force() - 1.0).abs() < 1e-15);
+    assert_eq!(scene.measure, palpate_scene::Measure::Duration(0.5));
+    // The same file is a world for who asks for one.
+    assert!(WorldFile::parse("wall.toml", wall).is_ok());
+    for (right, other, reason) in [
+        (
+            "[[0.0, 0.6, 0.8]]",
+            "[[0.0, 0.6, 0.8], [1, 0, 0]]",
+            "the device has 2 axes",
+        ),
+        (
+            "mass_kg = [0.2]",
+            "mass_kg = [0.2]\ntool = { sphere = { radius_m = 0.01 } }",
+            "the tool is not a point",
+        ),
+        (
+            "normal = [0.0, 3.0, 4.0]",
+            "normal = [0.0, 3.0, 4.1]",
+            "the normal of the half_space is not along the axis of the device",
+        ),
+        (
+            "stiffness_n_per_m = 1000",
+            "stiffness_n_per_m = 1000\nfriction = 0.1",
+            "the contact has friction",
+        ),
+        (
+            "method = \"basic\"",
+            "method = \"basic\", guard = { mode = \"limit\", late_samples = 1 }",
+            "the guard has late_samples",
+        ),
+    ] {
+        let said = ContactFile::parse("wall.toml", &wall.replacen(right, other, 1)).unwrap_err();
+        assert!(said.to_string().contains(reason), "{other}: {said}");
+    }
 }

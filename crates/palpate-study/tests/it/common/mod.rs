@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use palpate_core::{Actuation, Contact, LoopParams, ObjectState};
 use palpate_scene::method::{MethodName, SettingKey, Settings};
-use palpate_scene::{Scene, SceneFile, beside};
+use palpate_scene::world::{Coupling, WorldScene, WorldSettings};
+use palpate_scene::{ContactFile, Scene, beside};
 use palpate_study::sim::replay::{Replay, ReplaySetup};
 use palpate_testbed::metrics::Fidelity;
 
@@ -23,7 +24,7 @@ pub fn experiments() -> PathBuf {
 pub fn scene(name: &str) -> Scene {
     let path = experiments().join(name).with_extension("toml");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}"));
-    match SceneFile::parse_with(name, &text, &mut beside(&path)) {
+    match ContactFile::parse_with(name, &text, &mut beside(&path)) {
         Ok(file) => file.scene,
         Err(error) => panic!("{error}"),
     }
@@ -146,4 +147,21 @@ pub fn recorded_hands(caller: &str) -> Vec<Trajectory> {
             }
         })
         .into()
+}
+
+/// Sets the settings of the methods for comparison.
+pub fn set_comparison(scene: &mut WorldScene) {
+    let settings = WorldSettings {
+        damping: Some(4.0),
+        coupling: Coupling {
+            stiffness: Some(4000.0),
+            mass: Some(0.05),
+            ..Coupling::default()
+        },
+        ..WorldSettings::default()
+    };
+    scene.render.settings = WorldScene::METHODS
+        .into_iter()
+        .map(|method| (method, settings))
+        .collect();
 }

@@ -20,7 +20,7 @@ axes = ["x", "y"]
 MASSES
 position_m = [-0.045, 0.105, 0.0]
 velocity_m_per_s = [0.35, -0.25, 0.0]
-hand_force_n = [0.6, -0.5, 0.0]
+hand.force_n = [0.6, -0.5, 0.0]
 tool = { sphere = { radius_m = 0.005 } }
 [[body]]
 name = "ball"
@@ -54,7 +54,7 @@ name = "tool"
 MASSES
 position_m = [-0.06, -0.03, 0.075]
 velocity_m_per_s = [0.25, 0.2, -0.2]
-hand_force_n = [0.9, 0.25, -1.2]
+hand.force_n = [0.9, 0.25, -1.2]
 tool = { sphere = { radius_m = 0.01 } }
 [[body]]
 name = "ball"
@@ -211,7 +211,7 @@ fn ledger_of_linkage_closes() {
     let turning = "
 inertia_kg_m2 = [2e-5, 3e-5, 4e-5]
 angular_velocity_rad_per_s = [3.0, 1.0, -2.0]
-hand_torque_n_m = [1e-3, 0.0, 2e-3]
+hand.torque_n_m = [1e-3, 0.0, 2e-3]
 ";
     let turned = format!("{}{turning}", arm());
     let led = format!("{turned}gives_torque = false\n");
@@ -241,7 +241,7 @@ hand_torque_n_m = [1e-3, 0.0, 2e-3]
 
 #[test]
 fn model_mass_factor_scales_only_model_mass() {
-    let source = format!("{CHANNEL}\n[render]\ndevice_mass_factor = 1.5\n");
+    let source = format!("{CHANNEL}\n[model]\ndevice_mass_factor = 1.5\n");
     let (model, scene) = (parsed(&source, &five_bar(), 0.001), &scenes(0.001)[0].1);
     for axis in 0..2 {
         let true_mass = scene.devices[0].mass[axis];

@@ -1,101 +1,49 @@
-//! Scene files.
+//! Scenes of one contact along one axis, read from a file.
 
 use std::collections::{HashMap, HashSet};
 use std::io;
-use std::ops::Range;
+use std::ops;
+use std::path::Path;
 
-use palpate_core::{Allowed, Contact, MethodParams as _, ObjectState, Parameter, Side};
-use serde::Deserialize;
+use palpate_core::{Allowed, Contact, MethodParams as _, Parameter, Range};
+use palpate_world::{Vector, out_of_range};
 use toml::Spanned;
-use toml::de::DeTable;
 
 use super::beside::Files;
 use super::check::SceneParameterError;
 use super::delay::Delay;
-use super::device_key::{DeviceFault, RawDevice, ReadDevice, ReadPointMass};
+use super::device_key::RawDevice;
 use super::fault::{Places, SceneError, SceneErrors};
-use super::hand_key::{RawHand, ReadHand};
-use super::model::RawModel;
+use super::one_contact::OneAxis;
 use super::parameter::SceneParameter::{self, self as Of};
-use super::recover::{self, Fault};
-use super::renderer_key::RawRenderer;
-use super::timing::{RawLoop, Timing};
-use super::toml_reader;
-use super::{HandForceAt, Measure, PantographDevice, Scene, SceneDevice, SetupError};
-use crate::method::{GivenSettings, MethodName, Setting, Settings, SettingsError, method_named};
-use crate::world::WorldFile;
+use super::raw::{RawBody, RawContact, RawMeasure, RawScene};
+use super::raw_settings::{MethodPlaces, RawSettings};
+use super::recover::Fault;
+use super::scene_file::{self, SceneFile};
+use super::timing::Timing;
+use super::{Measure, Scene, SetupError};
+use crate::method::{MethodName, Setting, Settings, SettingsError, UnknownMethod, method_named};
+use crate::model::RawModel;
+use crate::render_key::RawRender;
+use crate::world::WorldScene;
+use crate::world::device::{wrong_body_name, wrong_device_name};
+use crate::world::per_axis::PerAxis;
 
-/// The version of scene files this crate reads.
-const FORMAT: i64 = 1;
+/// Default duration `[s]`.
+const DURATION: f64 = 0.5;
 
-/// A scene read from a file, with the spans of its values.
+/// A scene of one contact along one axis, read from a file, with the spans of its values.
 #[derive(Clone, Debug)]
-pub struct SceneFile {
+pub struct ContactFile {
     /// The scene.
     pub scene: Scene,
     name: String,
     source: String,
-    places: HashMap<SceneParameter, Range<usize>>,
+    places: HashMap<SceneParameter, ops::Range<usize>>,
     methods: HashMap<MethodName, MethodPlaces>,
 }
 
-/// Source spans of a method's settings.
-#[derive(Clone, Debug)]
-struct MethodPlaces {
-    name: Range<usize>,
-    /// Key and value of each setting.
-    settings: HashMap<String, (Range<usize>, Range<usize>)>,
-}
-
-/// The key of the version.
-const VERSION_KEY: &str = "scene_format";
-
-/// The version alone: a file of another version may have keys this one does not know.
-#[derive(Deserialize)]
-struct RawVersion {
-    scene_format: Spanned<i64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawScene {
-    #[serde(rename = "scene_format")]
-    _scene_format: i64,
-    title: String,
-    object: RawObject,
-    device: RawDevice,
-    #[serde(default)]
-    hand: RawHand,
-    r#loop: RawLoop,
-    #[serde(default)]
-    model: RawModel,
-    measure: Spanned<RawMeasure>,
-    #[serde(default)]
-    renderer: RawRenderer,
-    #[serde(default)]
-    methods: HashMap<Spanned<String>, GivenSettings>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawObject {
-    stiffness_n_per_m: Spanned<f64>,
-    mass_kg: Spanned<f64>,
-    position_m: Spanned<f64>,
-    velocity_m_per_s: Option<Spanned<f64>>,
-    radius_m: Option<Spanned<f64>>,
-    force_n: Option<Spanned<f64>>,
-    side: Option<Side>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawMeasure {
-    collisions: Option<Spanned<usize>>,
-    duration_s: Option<Spanned<f64>>,
-}
-
-impl SceneFile {
+impl ContactFile {
     /// Reads a self-contained scene. Like [`parse_with`](Self::parse_with), but every file that the scene names is
     /// missing.
     ///
@@ -114,19 +62,38 @@ impl SceneFile {
     ///
     /// # Errors
     /// All errors in the scene file and, with that file's name, the first in the device file; each with its line, its
-    /// column and the allowed values.
+    /// column and the allowed values. A scene with more than one contact along one axis.
     pub fn parse_with(name: &str, source: &str, files: Files<'_>) -> Result<Self, SceneErrors> {
+        let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+        match scene_file::read(name, source, folder, files)? {
+            SceneFile::Contact(file) => Ok(*file),
+            SceneFile::World(file) => Err(file.not_one_contact()),
+        }
+    }
+
+    /// Reads a scene of one contact from the tables of its file.
+    pub(crate) fn read(
+        (name, source): (&str, &str),
+        raw: RawScene,
+        axis: OneAxis,
+        left: (Vec<Fault>, HashSet<String>),
+        files: Files<'_>,
+    ) -> Result<Self, SceneErrors> {
         let mut reading = Reading {
             name,
             source,
+            axis,
             faults: Vec::new(),
-            damaged: HashSet::new(),
+            damaged: left.1,
         };
-        let file = reading.read(files);
-        match (SceneErrors::new(reading.faults), file) {
-            (None, Some(file)) => Ok(file),
-            (Some(errors), _) => Err(errors),
-            (None, None) => unreachable!("an unreadable file has a fault"),
+        for fault in left.0 {
+            reading.fault(fault);
+        }
+        let file = reading.scene(raw, files);
+        reading.check(&file);
+        match SceneErrors::new(reading.faults) {
+            None => Ok(file),
+            Some(errors) => Err(errors),
         }
     }
 
@@ -203,38 +170,39 @@ impl SceneFile {
         &self,
         method: MethodName,
         setting: &Setting,
-    ) -> Option<(Range<usize>, Range<usize>)> {
+    ) -> Option<(ops::Range<usize>, ops::Range<usize>)> {
         let places = &self.methods.get(&method)?.settings;
         places.get(setting.key.as_str()).cloned()
     }
 
-    fn place_of_method(&self, method: MethodName) -> Option<Range<usize>> {
+    fn place_of_method(&self, method: MethodName) -> Option<ops::Range<usize>> {
         Some(self.methods.get(&method)?.name.clone())
     }
 
-    fn at_span(&self, span: Option<Range<usize>>, message: String) -> SceneError {
+    fn at_span(&self, span: Option<ops::Range<usize>>, message: String) -> SceneError {
         SceneError::at(&self.name, &self.source, span.unwrap_or(0..0), message)
     }
 }
 
 /// A partially read scene file with its errors.
-struct Reading<'a> {
-    name: &'a str,
+pub(crate) struct Reading<'a> {
+    pub name: &'a str,
     source: &'a str,
-    faults: Vec<SceneError>,
+    pub axis: OneAxis,
+    pub faults: Vec<SceneError>,
     /// Tables that keys at fault were taken out of.
     damaged: HashSet<String>,
 }
 
 impl Reading<'_> {
-    fn fault(&mut self, (span, message): Fault) {
+    pub fn fault(&mut self, (span, message): Fault) {
         let fault = SceneError::at(self.name, self.source, span, message);
         self.faults.push(fault);
     }
 
     /// Returns the value that was read from keys of `table`. On a fault, records it and returns `instead` so that
     /// reading continues.
-    fn or<T>(&mut self, table: &str, read: Result<T, Fault>, instead: T) -> T {
+    pub fn or<T>(&mut self, table: &str, read: Result<T, Fault>, instead: T) -> T {
         read.unwrap_or_else(|fault| {
             self.in_table(table, fault);
             instead
@@ -242,85 +210,100 @@ impl Reading<'_> {
     }
 
     /// A fault of several keys of a `table`; none where one of them has been at fault by itself.
-    fn in_table(&mut self, table: &str, fault: Fault) {
+    pub fn in_table(&mut self, table: &str, fault: Fault) {
         if !self.damaged.contains(table) {
             self.fault(fault);
         }
     }
 
-    /// The file; where there are faults, what is left of it, or nothing.
-    fn read(&mut self, files: Files<'_>) -> Option<SceneFile> {
-        if let Ok(RawVersion { scene_format }) = toml_reader::from_text(self.source)
-            && *scene_format.get_ref() != FORMAT
-        {
-            let message = format!(
-                "scene_format is {}, but this version reads {FORMAT} only",
-                scene_format.get_ref()
-            );
-            self.fault((scene_format.span(), message));
-            return None;
-        }
-        if WorldFile::is_world_file(self.source) {
-            let message = "the key format belongs to a world of several bodies; a scene of one contact is needed here, \
-                           with scene_format = 1";
-            self.fault((0..0, message.into()));
-            return None;
-        }
-        if WorldFile::lacks_its_format(self.source) {
-            let message =
-                "the key format is missing; a world with [[device]] and [[body]] needs format = 2";
-            self.fault((0..0, message.into()));
-            return None;
-        }
-        let left = recover::read::<RawScene>(self.source);
-        let without_version = left.missing.get(VERSION_KEY);
-        for (number, (span, mut message)) in left.faults.into_iter().enumerate() {
-            if without_version == Some(&number) {
-                message += "; a scene of one contact has scene_format = 1, and a world of several bodies format = 2";
+    /// Rejects the keys that are given and that a scene of one contact lacks.
+    pub fn refuse(&mut self, keys: &[(&str, Option<ops::Range<usize>>)], why: &str) {
+        for (key, span) in keys {
+            if let Some(span) = span {
+                self.fault((span.clone(), format!("{key} {why}")));
             }
-            self.fault((span, message));
         }
-        self.damaged = left.damaged;
-        let file = self.scene(left.read?, files);
-        self.check(&file);
-        Some(file)
     }
 
-    fn scene(&mut self, raw: RawScene, files: Files<'_>) -> SceneFile {
+    /// Returns the component of a vector along the axis. Rejects components along other axes than those of `held`.
+    pub fn along(
+        &mut self,
+        key: &str,
+        value: Option<Spanned<Vector>>,
+        held: Vector,
+    ) -> Option<Spanned<f64>> {
+        let value = value?;
+        if let Some(message) = self.axis.axes.refused(key, *value.get_ref(), held) {
+            self.fault((value.span(), message));
+        }
+        Some(Spanned::new(
+            value.span(),
+            self.axis.along(*value.get_ref()),
+        ))
+    }
+
+    /// Returns the component of a position along the axis `[m]`; the others have no effect.
+    pub fn place(&mut self, key: &str, value: Option<Spanned<Vector>>) -> Option<Spanned<f64>> {
+        let value = value?;
+        if let Some(part) = value.get_ref().iter().find(|part| !part.is_finite()) {
+            self.fault((
+                value.span(),
+                format!("{key} is {part} m, but must be finite"),
+            ));
+        }
+        Some(Spanned::new(
+            value.span(),
+            self.axis.along(*value.get_ref()),
+        ))
+    }
+
+    fn scene(&mut self, raw: RawScene, files: Files<'_>) -> ContactFile {
         let mut places = Places::default();
         let measure = self.measure(raw.measure, &mut places);
-        let (settings, methods) = self.settings(raw.methods);
-        let method = self.method(raw.renderer.method.as_ref());
-        let object = raw.object;
+        let (settings, methods) = self.settings(&raw.methods);
+        let method = self.method(raw.render.method.as_ref());
+        let (mut body, mut contact) = (raw.body.into_iter(), raw.contact.into_iter());
+        let mut device = raw.device.into_iter();
+        // The rule of one contact has counted them.
+        let (Some(body), Some(contact), Some(device)) =
+            (body.next(), contact.next(), device.next())
+        else {
+            unreachable!("a scene of one contact has one of each")
+        };
+        self.check_unused(body.get_ref(), device.get_ref(), contact.get_ref());
+        let body = self.body(body, &mut places);
         let contact = Contact {
-            side: object.side.unwrap_or_default(),
-            unilateral: raw.renderer.unilateral.unwrap_or(false),
+            side: body.side,
+            unilateral: raw
+                .render
+                .unilateral
+                .as_ref()
+                .is_some_and(|only| *only.get_ref()),
             ..Contact::object(
-                places.take(Parameter::Stiffness, object.stiffness_n_per_m),
-                places.take(Parameter::ObjectMass, object.mass_kg),
+                places.take(Parameter::Stiffness, contact.into_inner().stiffness_n_per_m),
+                body.mass,
             )
         };
-        let device = self.held_device(raw.device, raw.hand, &mut places, files);
+        let device = self.held_device(device, &mut places, files);
         let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
         let actuator = raw.r#loop.actuator(&mut places);
         if let Some(alone) = raw.model.alone() {
             self.in_table("model", alone);
         }
         let model = raw.model.read(&mut places);
+        let model_device_mass = self.model_device_mass(&raw.model, device.mass(), &mut places);
         let timing = raw.r#loop.timing(&mut places);
         let timing = timing.map_err(|(span, message)| (span, message.to_owned()));
         let (delay, timing) = self.or("loop", timing, (Delay::NONE, Timing::default()));
-        let (loop_params, model_device_mass) = raw.renderer.read(period, &mut places);
+        self.refuse_torque(&raw.render);
+        let loop_params = raw.render.of_one_contact(period, &mut places);
         let scene = Scene {
             title: raw.title,
             contact,
             loop_params,
-            object: ObjectState {
-                position: places.take(Parameter::ObjectPosition, object.position_m),
-                velocity: places.take_or(Parameter::ObjectVelocity, object.velocity_m_per_s, 0.0),
-            },
-            object_radius: places.take_or(Of::ObjectRadius, object.radius_m, 0.0),
-            virtual_force: places.take_or(Parameter::VirtualForce, object.force_n, 0.0),
+            object: body.state,
+            object_radius: body.radius,
+            virtual_force: body.force,
             device,
             model_device_mass,
             delay,
@@ -331,7 +314,7 @@ impl Reading<'_> {
             method,
             settings,
         };
-        SceneFile {
+        ContactFile {
             scene,
             name: self.name.into(),
             source: self.source.into(),
@@ -340,20 +323,91 @@ impl Reading<'_> {
         }
     }
 
-    /// Returns what `[measure]` gives; a substitute for neither or both of its keys.
-    fn measure(
+    /// Rejects names, and friction keys of a contact without friction, that are wrong although nothing depends on them.
+    fn check_unused(&mut self, body: &RawBody, device: &RawDevice, contact: &RawContact) {
+        for (name, wrong) in [
+            (&body.name, wrong_body_name(body.name.get_ref())),
+            (&device.name, wrong_device_name(device.name.get_ref())),
+        ] {
+            if let Some(message) = wrong {
+                self.fault((name.span(), message.into()));
+            }
+        }
+        let (stiffness, damping) = (
+            &contact.friction_stiffness_n_per_m,
+            &contact.friction_damping_n_s_per_m,
+        );
+        for (key, value, range) in [
+            ("friction_stiffness_n_per_m", stiffness, Range::Positive),
+            ("friction_damping_n_s_per_m", damping, Range::NotNegative),
+        ] {
+            if let Some(value) = value
+                && let Some(message) = out_of_range(key, *value.get_ref(), range)
+            {
+                self.fault((value.span(), message));
+            }
+        }
+    }
+
+    /// Rejects limits of torque and turning, which one axis lacks.
+    fn refuse_torque(&mut self, render: &RawRender) {
+        let guard = render.guard.as_ref();
+        let turning = guard.and_then(|guard| guard.turning_rad_per_s.as_ref());
+        let keys = [
+            (
+                "render.torque_limit_n_m",
+                render.torque_limit_n_m.as_ref().map(Spanned::span),
+            ),
+            ("render.guard.turning_rad_per_s", turning.map(Spanned::span)),
+        ];
+        self.refuse(&keys, "needs a device of six axes, with inertia_kg_m2");
+    }
+
+    /// Returns the device mass of the renderer's model `[kg]`, if it differs from `mass` `[kg]`.
+    fn model_device_mass(
         &mut self,
-        raw: Spanned<RawMeasure>,
+        model: &RawModel,
+        mass: f64,
         places: &mut Places<SceneParameter>,
-    ) -> Measure {
-        let measure_span = raw.span();
-        let measure = raw.into_inner();
-        match (measure.collisions, measure.duration_s) {
+    ) -> Option<f64> {
+        let inertia = model.device_inertia_kg_m2.as_ref().map(Spanned::span);
+        let keys = [("model.device_inertia_kg_m2", inertia)];
+        self.refuse(&keys, "needs a device of six axes, with inertia_kg_m2");
+        let given = model.device_mass_kg.as_ref();
+        let given = given.and_then(|mass| self.one_number("model.device_mass_kg", mass));
+        let given = given.map(|mass| places.take(Of::ModelDeviceMass, mass));
+        let Some(factor) = model.device_mass_factor.clone() else {
+            return given;
+        };
+        if given.is_some() {
+            let message = "give either device_mass_kg or device_mass_factor, not both";
+            self.fault((factor.span(), message.into()));
+        }
+        Some(mass * places.take(Of::ModelDeviceMass, factor))
+    }
+
+    /// Returns the number under a key that may have one for each axis of a device.
+    pub fn one_number(&mut self, key: &str, value: &Spanned<PerAxis>) -> Option<Spanned<f64>> {
+        if let [number] = value.get_ref().given() {
+            return Some(Spanned::new(value.span(), *number));
+        }
+        let message = format!(
+            "{key} has {} numbers, but the device has 1 axis; give one number",
+            value.get_ref().given().len()
+        );
+        self.fault((value.span(), message));
+        None
+    }
+
+    /// Returns what `[measure]` gives; the default duration for neither of its keys or both.
+    fn measure(&mut self, raw: RawMeasure, places: &mut Places<SceneParameter>) -> Measure {
+        match (raw.collisions, raw.duration_s) {
             (Some(count), None) => Measure::Collisions(places.take(Of::Collisions, count)),
             (None, Some(duration)) => Measure::Duration(places.take(Of::Duration, duration)),
-            _ => {
-                let message = "[measure] needs either collisions or duration_s";
-                self.in_table("measure", (measure_span, message.into()));
+            (None, None) => Measure::Duration(DURATION),
+            (Some(_), Some(duration)) => {
+                let message = "[measure] has either collisions or duration_s, not both";
+                self.fault((duration.span(), message.into()));
                 Measure::Collisions(1)
             }
         }
@@ -365,109 +419,44 @@ impl Reading<'_> {
         if let Some(given) = given {
             match method_named(given.get_ref()) {
                 Ok(named) => method = named,
-                Err(error) => self.fault((given.span(), error.to_string())),
+                Err(error) => {
+                    self.fault((given.span(), not_of_one_contact(given.get_ref(), &error)))
+                }
             }
         }
         method
     }
 
-    /// Returns the device with its hand.
-    fn held_device(
-        &mut self,
-        device: RawDevice,
-        hand: RawHand,
-        places: &mut Places<SceneParameter>,
-        files: Files<'_>,
-    ) -> SceneDevice {
-        let before = self.faults.len();
-        let mut device = self.device(device, places, files);
-        let is_that_device = self.faults.len() == before && !self.damaged.contains("device");
-        let hand = hand.read(places, files);
-        let hand = self.or("hand", hand, ReadHand::default());
-        for fault in hand.hold(&mut device) {
-            // The substitute of a faulty device may be of another kind.
-            if is_that_device {
-                self.in_table("hand", fault);
-            }
-        }
-        device
-    }
-
     /// Settings of the methods that the file names, and where it does.
     fn settings(
         &mut self,
-        raw: HashMap<Spanned<String>, GivenSettings>,
+        raw: &HashMap<Spanned<String>, RawSettings>,
     ) -> (
         HashMap<MethodName, Settings>,
         HashMap<MethodName, MethodPlaces>,
     ) {
-        // Settings are read by their keys in methods, so their spans come from a second parse of the file.
-        let table = DeTable::parse(self.source).ok();
-        let table = table.as_ref().map(Spanned::get_ref);
-        let methods = table.and_then(|file| file.get("methods")?.get_ref().as_table());
         let (mut settings, mut places) = (HashMap::new(), HashMap::new());
-        for (key, given) in raw {
-            match method_named(key.get_ref()) {
+        for (name, given) in raw {
+            match method_named(name.get_ref()) {
                 Ok(method) => {
-                    let of_method = methods.and_then(|all| all.get(method.name()));
-                    let of_method = of_method.and_then(|given| given.get_ref().as_table());
-                    let spans = of_method.into_iter().flatten().map(|(key, value)| {
-                        (key.get_ref().to_string(), (key.span(), value.span()))
-                    });
-                    let place = MethodPlaces {
-                        name: key.span(),
-                        settings: spans.collect(),
-                    };
-                    places.insert(method, place);
-                    settings.insert(method, given.0);
+                    let (of_method, faults) = given.of_one_contact();
+                    if !faults.is_empty() {
+                        self.damaged.insert(format!("methods.{method}"));
+                    }
+                    for fault in faults {
+                        self.fault(fault);
+                    }
+                    places.insert(method, given.places(name.span()));
+                    settings.insert(method, of_method);
                 }
-                Err(error) => self.fault((key.span(), error.to_string())),
+                Err(error) => self.fault((name.span(), not_of_one_contact(name.get_ref(), &error))),
             }
         }
         (settings, places)
     }
 
-    /// Returns the device, without a hand.
-    fn device(
-        &mut self,
-        raw: RawDevice,
-        places: &mut Places<SceneParameter>,
-        files: Files<'_>,
-    ) -> SceneDevice {
-        let kind = raw.kind.span();
-        let device = match raw.read(self.name, files) {
-            Ok(device) => device,
-            Err(fault) => {
-                match fault {
-                    DeviceFault::Here(span, message) => self.in_table("device", (span, message)),
-                    DeviceFault::InDeviceFile(error) => self.faults.push(error),
-                }
-                // A valid mass, so that the remaining keys can be checked.
-                let mass = Spanned::new(kind.clone(), 1.0);
-                ReadDevice::PointMass(ReadPointMass::new(mass))
-            }
-        };
-        match device {
-            ReadDevice::PointMass(read) => SceneDevice::PointMass(read.device(places)),
-            ReadDevice::Pantograph(linkage, position) => {
-                let at = position.as_ref().map_or(kind, Spanned::span);
-                let position = places.take_or(Of::DevicePosition, position, 0.0);
-                let mass = linkage.effective_mass(position);
-                let mass = mass.map_err(|error| (at, error.to_string()));
-                SceneDevice::Pantograph(PantographDevice {
-                    mass: self.or("device", mass, 1.0),
-                    linkage,
-                    position,
-                    encoder_quantum: 0.0,
-                    force: 0.0,
-                    force_at: HandForceAt::default(),
-                })
-            }
-        }
-    }
-
     /// Adds what is wrong with the scene that was read.
-    fn check(&mut self, file: &SceneFile) {
+    fn check(&mut self, file: &ContactFile) {
         let (scene, is_whole) = (&file.scene, self.faults.is_empty());
         // The substitute of a faulty value may contradict other values; a range check involves only one number.
         let counts =
@@ -528,4 +517,14 @@ impl Reading<'_> {
             }
         }
     }
+}
+
+/// Returns the message for a name that is no method of one contact.
+fn not_of_one_contact(name: &str, error: &UnknownMethod) -> String {
+    if WorldScene::METHODS.contains(&name) {
+        return format!(
+            "{name} renders worlds; this scene has one contact along one axis, which the closed form renders"
+        );
+    }
+    error.to_string()
 }

@@ -1,4 +1,4 @@
-//! `[renderer]` of a scene file.
+//! `[render]` of a scene file.
 
 use palpate_core::{Guard, LoopParams, Parameter};
 use serde::Deserialize;
@@ -6,37 +6,40 @@ use toml::Spanned;
 
 use super::fault::Places;
 use super::guard::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode};
-use super::parameter::SceneParameter::{self, self as Of};
+use super::parameter::SceneParameter;
 
+/// Method, limits and guard.
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawRenderer {
+pub(crate) struct RawRender {
     pub method: Option<Spanned<String>>,
-    device_mass_kg: Option<Spanned<f64>>,
-    pub unilateral: Option<bool>,
-    force_limit_n: Option<Spanned<f64>>,
-    slew_limit_n_per_s: Option<Spanned<f64>>,
-    speed_limit_m_per_s: Option<Spanned<f64>>,
-    largest_gap_s: Option<Spanned<f64>>,
-    guard: Option<RawGuard>,
+    pub unilateral: Option<Spanned<bool>>,
+    pub force_limit_n: Option<Spanned<f64>>,
+    pub torque_limit_n_m: Option<Spanned<f64>>,
+    pub slew_limit_n_per_s: Option<Spanned<f64>>,
+    pub speed_limit_m_per_s: Option<Spanned<f64>>,
+    pub largest_gap_s: Option<Spanned<f64>>,
+    pub guard: Option<RawGuard>,
 }
 
 /// A bound on the energy that held forces give out.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawGuard {
-    mode: GuardMode,
-    speed_m_per_s: Option<Spanned<f64>>,
-    allowance_j: Option<Spanned<f64>>,
+pub(crate) struct RawGuard {
+    pub mode: GuardMode,
+    pub speed_m_per_s: Option<Spanned<f64>>,
+    pub turning_rad_per_s: Option<Spanned<f64>>,
+    pub allowance_j: Option<Spanned<f64>>,
+    pub late_samples: Option<Spanned<usize>>,
 }
 
-impl RawRenderer {
-    /// Returns the loop of a period `[s]` with limits and guard, and the device mass that the renderer assumes `[kg]`.
-    pub fn read(
+impl RawRender {
+    /// Returns the loop of a period `[s]` with limits and guard.
+    pub fn of_one_contact(
         self,
         period: f64,
         places: &mut Places<SceneParameter>,
-    ) -> (LoopParams<f64>, Option<f64>) {
+    ) -> LoopParams<f64> {
         let mut limit = |of: SceneParameter, value: Option<Spanned<f64>>| {
             value.map(|value| places.take(of, value))
         };
@@ -48,7 +51,6 @@ impl RawRenderer {
             largest_gap: limit(Parameter::LargestGap.into(), self.largest_gap_s),
             ..LoopParams::new(period)
         };
-        let model_device_mass = limit(Of::ModelDeviceMass, self.device_mass_kg);
         let guard = self.guard.map_or(Guard::Off, |guard| {
             guard.mode.guard(
                 places.take_or(Parameter::GuardSpeed, guard.speed_m_per_s, GUARD_SPEED),
@@ -59,10 +61,9 @@ impl RawRenderer {
                 ),
             )
         });
-        let loop_params = LoopParams {
+        LoopParams {
             guard,
             ..loop_params
-        };
-        (loop_params, model_device_mass)
+        }
     }
 }

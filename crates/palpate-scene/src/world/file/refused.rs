@@ -1,0 +1,94 @@
+//! Keys that only the closed form honours.
+
+use toml::Spanned;
+
+use super::Reading;
+use crate::device_key::{RawDevice, span};
+use crate::fault::Span;
+use crate::one_contact::NotOneContact;
+use crate::raw::RawScene;
+use crate::timing::RawLoop;
+
+impl Reading {
+    /// Rejects keys that are simulated for one contact along one axis only. `why` says why the scene is none; `None`:
+    /// it is one, and is read as a world all the same. In a file with other faults, the reason may be one of these.
+    pub fn refuse(&mut self, raw: &RawScene, why: Option<&NotOneContact>) {
+        if !self.damaged.is_empty() {
+            return;
+        }
+        let why = why.map_or("it is rendered as a world here", |why| &why.reason);
+        let mut keys = of_loop(&raw.r#loop);
+        for device in &raw.device {
+            keys.extend(of_device(device.get_ref()));
+        }
+        for body in &raw.body {
+            keys.push(("body.centre_m", span(&body.get_ref().centre_m)));
+        }
+        let (model, render) = (&raw.model, &raw.render);
+        let unilateral = render.unilateral.as_ref().filter(|only| *only.get_ref());
+        keys.extend([
+            ("model.resonance_hz", span(&model.resonance_hz)),
+            (
+                "model.resonance_damping_ratio",
+                span(&model.resonance_damping_ratio),
+            ),
+            (
+                "model.flexible_mass_fraction",
+                span(&model.flexible_mass_fraction),
+            ),
+            ("render.unilateral", unilateral.map(Spanned::span)),
+            (
+                "render.slew_limit_n_per_s",
+                span(&render.slew_limit_n_per_s),
+            ),
+            ("measure.collisions", span(&raw.measure.collisions)),
+        ]);
+        for (key, span) in keys {
+            if let Some(span) = span {
+                let message = format!("{key} is for one contact along one axis only, but {why}");
+                self.fault(span, message);
+            }
+        }
+        for body in &raw.body {
+            let body = body.get_ref();
+            if let (Some(axes), false) = (&body.axes, body.fixed) {
+                let message = format!(
+                    "a body with `axes` is rendered in a scene of one contact along one axis only, but {why}"
+                );
+                self.fault(axes.span(), message);
+            }
+        }
+    }
+}
+
+type Keys = Vec<(&'static str, Option<Span>)>;
+
+fn of_loop(raw: &RawLoop) -> Keys {
+    vec![
+        ("loop.command_jitter_s", span(&raw.command_jitter_s)),
+        ("loop.jitter_s", span(&raw.jitter_s)),
+        ("loop.jitter_deviation_s", span(&raw.jitter_deviation_s)),
+        ("loop.drop_probability", span(&raw.drop_probability)),
+        ("loop.dropped_samples", span(&raw.dropped_samples)),
+        ("loop.collapse", span(&raw.collapse)),
+        ("loop.seed", span(&raw.seed)),
+    ]
+}
+
+fn of_device(raw: &RawDevice) -> Keys {
+    let mut keys = vec![
+        ("device.linkage", span(&raw.linkage)),
+        ("device.safety_box", span(&raw.safety_box)),
+        ("device.noise_m", span(&raw.noise_m)),
+        ("device.hand.mass_kg", span(&raw.hand.mass_kg)),
+        ("device.hand.rest_file", span(&raw.hand.rest_file)),
+        ("device.hand.swing_m", span(&raw.hand.swing_m)),
+        ("device.hand.swing_hz", span(&raw.hand.swing_hz)),
+        ("device.hand.release_s", span(&raw.hand.release_s)),
+        ("device.hand.force_at", span(&raw.hand.force_at)),
+    ];
+    // Viscous friction is damping of the hand.
+    let of_drivetrain = raw.drivetrain.spans().into_iter().skip(1);
+    keys.extend(of_drivetrain);
+    keys
+}
