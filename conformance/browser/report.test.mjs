@@ -22,7 +22,7 @@ function made(...args) {
 before(() => {
   folder = mkdtempSync(join(tmpdir(), "palpate-report-"));
   const at = (name) => join(folder, name);
-  made("record", SCENE, at("tap.mcap"), "--duration", "0.5", "--fast");
+  made("run", SCENE, "--record", at("tap.mcap"), "--duration", "0.5", "--fast");
   made("calibrate", "--device", "simulated", "--fast", "--out", at("device.toml"), "--report", at("fit.json"));
   page = at("device.html");
   // All possible content of a page, with a long name; one method, because this test is about looks.

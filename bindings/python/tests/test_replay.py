@@ -22,7 +22,7 @@ HELD = {"hand_stiffness": 200.0, "hand_damping": 5.0}
 def tap(program: Any, tmp_path_factory: Any) -> Path:
     """A recording of one contact, made by the program without waiting."""
     path: Path = tmp_path_factory.mktemp("tap") / "tap.mcap"
-    program("record", SCENE, path, "--fast", "--duration", 3, "--method", "hfcr")
+    program("run", SCENE, "--record", path, "--fast", "--duration", 3, "--method", "hfcr")
     return path
 
 
@@ -30,7 +30,7 @@ def tap(program: Any, tmp_path_factory: Any) -> Path:
 def world(program: Any, tmp_path_factory: Any) -> Path:
     """A recording of a world."""
     path: Path = tmp_path_factory.mktemp("world") / "world.mcap"
-    program("record", WORLD, path, "--fast", "--duration", 0.3)
+    program("run", WORLD, "--record", path, "--fast", "--duration", 0.3)
     return path
 
 

@@ -21,7 +21,7 @@ use crate::commands::map::MapArguments;
 use crate::commands::pipe::PipeArguments;
 use crate::commands::replay::ReplayArguments;
 use crate::commands::report::ReportArguments;
-use crate::commands::run::{RecordArguments, RunArguments};
+use crate::commands::run::RunArguments;
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
@@ -203,37 +203,29 @@ Examples:
   my-device | palpate calibrate --pipe --period 0.001 --out device.toml
   palpate calibrate --device haply-2diy --normal 1,0 --out device-x.toml --plot device-x.svg")]
     Calibrate(CalibrateArguments),
-    /// Run a loop in real time, on a device
+    /// Run a loop in real time on a device, and record it on request
     #[command(override_usage = "palpate run <SCENE.toml> [OPTIONS]")]
     #[command(long_about = "\
-Run a loop in real time, on a device.
+Run a loop in real time on a device, and record it on request.
 
 A separate thread wakes at absolute deadlines, reads the device, renders, and commands the force within the \
 safety limits. It requests real-time priority, and a warning reports a refusal. Ctrl-C ends it. At every end \
 the commanded force is 0; a supervisor commands it if the thread does not respond. For a device that holds its \
 last force, a watchdog process does so if this process is killed or stopped. Missed deadlines are counted and \
 skipped, and the renderer uses the elapsed time. Flags override values of the scene. A world (format = 2) is \
-rendered on devices with up to three axes; docs/worlds.md describes their frames.")]
+rendered on devices with up to three axes; docs/worlds.md describes their frames.
+
+--record writes every tick to a recording. The loop never waits for the disk. Ticks that could not be written \
+are missing from the numbering and reported at the end. Written data survive every end of the program. During \
+recording the file is called NAME.part.")]
     #[command(after_help = "\
 Examples:
   palpate run experiments/experiment1.toml --device simulated --duration 3
   palpate run experiments/wall.toml --method hfcr --fast --json
+  palpate run experiments/wall.toml --record wall.mcap --fast --duration 60
   palpate run experiments/fig2.toml --duration 2 --record fig2.mcap --safe-force 5
   palpate run experiments/worlds-on-devices/ball-on-table.toml --duration 2")]
     Run(RunArguments),
-    /// Run a loop in real time and record every tick of it
-    #[command(override_usage = "palpate record <SCENE.toml> <REC.mcap> [OPTIONS]")]
-    #[command(long_about = "\
-Run a loop in real time and record every tick of it.
-
-As `run`, with a recording. The loop never waits for the disk. Ticks that could not be written are missing \
-from the numbering and reported at the end. Written data survive every end of the program. During recording \
-the file is called NAME.part.")]
-    #[command(after_help = "\
-Examples:
-  palpate record experiments/experiment1.toml falls.mcap --duration 2
-  palpate record experiments/wall.toml wall.mcap --fast --duration 60")]
-    Record(RecordArguments),
     /// Run a loop and serve a live page on it
     #[command(override_usage = "palpate live [SCENE.toml] [OPTIONS]")]
     #[command(mut_arg("device", |device| device.default_value("pointer")))]
@@ -368,9 +360,9 @@ The page is one HTML file without scripts or network access, readable on a phone
 of A4. Its contents come from recordings, from a calibrated device file, or from a simulation with their \
 values, and the page names the source of each. Each warning has a remedy.
 
-With --device, a short session is recorded first, as `palpate record` does, with the same safety, supervisor \
-and watchdog; 5 s unless --duration is given. Move the device into the wall at 0, or into the object of the \
---scene, to feel the force. The recording stays beside the page.
+With --device, a short session is recorded first, as `palpate run --record` does, with the same safety, \
+supervisor and watchdog; 5 s unless --duration is given. Move the device into the wall at 0, or into the \
+object of the --scene, to feel the force. The recording stays beside the page.
 
 Renderable contacts are a coarse map with the mass, period, delay, lag, gain, friction and sensor of this \
 device. On a terminal a bar shows the current part, the completed steps and the time; otherwise lines on \

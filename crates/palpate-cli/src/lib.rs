@@ -40,7 +40,6 @@ pub fn run() -> ExitCode {
         Command::Pipe(arguments) => commands::pipe::run(&arguments),
         Command::Calibrate(arguments) => commands::calibrate::run(&arguments),
         Command::Run(arguments) => commands::run::run(&arguments),
-        Command::Record(arguments) => commands::run::record(&arguments),
         Command::Live(arguments) => commands::live::run(&arguments),
         Command::Devices(arguments) => commands::devices::run(&arguments),
         Command::Emulate(arguments) => commands::emulate::run(&arguments),

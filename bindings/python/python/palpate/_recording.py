@@ -110,7 +110,7 @@ class Recording(Table, Report):
 
 
 def read_recording(path: str | os.PathLike[str]) -> Recording:
-    """Reads a recording (MCAP) of `palpate record`. An incomplete recording is read as far as possible.
+    """Reads a recording (MCAP) of `palpate run --record`. An incomplete recording is read as far as possible.
 
     The fields `complete`, `shortcomings` and `ticks_lost` of the report describe missing and damaged parts.
 

@@ -8,7 +8,7 @@ use crate::failure::Failure;
 pub fn run() -> Result<(), Failure> {
     palpate_rt::watchdog::serve().map_err(|error| {
         Failure::System(format!(
-            "{error}; a watchdog is started by `palpate run`, `record` and `live`"
+            "{error}; a watchdog is started by `palpate run` and `palpate live`"
         ))
     })
 }

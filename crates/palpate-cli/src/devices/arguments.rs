@@ -125,8 +125,8 @@ impl DeviceArguments {
     pub fn check(&self) -> Result<(), Failure> {
         let [Choice::Kind(device)] = self.device[..] else {
             return Err(Failure::Arguments(
-                "--device: this command takes one device, by its kind; several, as NAME=DEVICE, are for `palpate run`, \
-                 `record` and `live` of a world with several"
+                "--device: this command takes one device, by its kind; several, as NAME=DEVICE, are for `palpate run` \
+                 and `palpate live` of a world with several"
                     .into(),
             ));
         };

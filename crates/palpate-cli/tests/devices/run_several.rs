@@ -1,4 +1,4 @@
-//! `palpate run` and `record` with a world of several devices.
+//! `palpate run` with a world of several devices.
 
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -50,7 +50,7 @@ fn answer(mut command: Command) -> (i32, String, String) {
 #[test]
 fn a_pinch_is_run_recorded_read_back_and_replayed() {
     let folder = folder();
-    let command = "record pinch.toml pinch.mcap --fast --duration 0.5 --json";
+    let command = "run pinch.toml --record pinch.mcap --fast --duration 0.5 --json";
     let report = parse(&folder.succeed(command));
     assert_eq!(report["device"], "left: simulated, right: simulated");
     assert_eq!(report["safety_stop"], serde_json::Value::Null);
@@ -259,7 +259,7 @@ fn on(emulators: &[Emulator; 2]) -> Vec<String> {
     device.collect()
 }
 
-const LOOP: &str = "pinch.toml pinch.mcap --priority 0 --stall-after-periods 50 --json";
+const LOOP: &str = "pinch.toml --record pinch.mcap --priority 0 --stall-after-periods 50 --json";
 
 /// Returns the number of ticks in the recording that push both fingers back.
 fn ticks_of_a_pinch(folder: &Folder) -> usize {
@@ -282,7 +282,7 @@ fn two_inverse3_pinch_a_cube() {
     let report = (0..10)
         .map(|_| {
             let (folder, emulators) = (folder(), two_fingers());
-            let run = format!("record {LOOP} --duration 2.5");
+            let run = format!("run {LOOP} --duration 2.5");
             let (code, messages, said) = answer(program(&folder, &run, &on(&emulators)));
             // 5 if the motors were off for most of the ticks.
             assert!(matches!(code, 0 | 5), "{code}: {said}");

@@ -1,4 +1,4 @@
-//! `palpate run` and `record` with a world, on each device that takes one.
+//! `palpate run` with a world, on each device that takes one.
 
 use crate::common::{Answer, Folder, experiment_text, number, parse};
 use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions, holding};
@@ -47,7 +47,7 @@ fn a_loop_whose_samples_are_refused_is_no_success() {
 #[test]
 fn a_recorded_world_of_one_tick_is_no_motion() {
     let folder = folder();
-    folder.succeed("record ball-on-table.toml one.mcap --fast --duration 0.0004");
+    folder.succeed("run ball-on-table.toml --record one.mcap --fast --duration 0.0004");
     folder.fail(
         "replay one.mcap --method basic",
         3,
@@ -61,7 +61,7 @@ fn a_recorded_world_of_one_tick_is_no_motion() {
 #[test]
 fn a_world_is_run_recorded_and_read_back() {
     let folder = folder();
-    let command = "record ball-on-table.toml ball.mcap --fast --duration 2 --json";
+    let command = "run ball-on-table.toml --record ball.mcap --fast --duration 2 --json";
     let report = parse(&folder.succeed(command));
     assert_eq!(report["method"], "coupled");
     assert_eq!(report["safety_stop"], serde_json::Value::Null);
@@ -166,7 +166,7 @@ fn a_limit_of_the_force_holds_in_every_direction() {
     let pressed = text.replace("force_n = [0.0, 0.0, -1.0]", "force_n = [0.7, 0.4, -3.0]");
     assert_ne!(pressed, text);
     folder.write("pressed.toml", pressed);
-    let command = "record pressed.toml pressed.mcap --fast --duration 1 --safe-force 0.8 --oscillation inf --json";
+    let command = "run pressed.toml --record pressed.mcap --fast --duration 1 --safe-force 0.8 --oscillation inf --json";
     let report = parse(&folder.succeed(command));
     let peak = number(&report, "peak_force_n");
     assert!((peak - 0.8).abs() < 1e-9, "{report}");
@@ -196,7 +196,7 @@ fn a_ball_is_pressed(folder: &Folder) -> (Answer, Vec<[f64; 3]>) {
     })
     .unwrap();
     let answer = folder.palpate(&format!(
-        "record ball-on-table.toml ball.mcap --device inverse3 --service {} --priority 0 \
+        "run ball-on-table.toml --record ball.mcap --device inverse3 --service {} --priority 0 \
          --service-priority 0 --stall-after-periods 50 --duration 2 --json",
         emulator.url()
     ));
@@ -250,7 +250,7 @@ fn record_the_block(folder: &Folder) -> Answer {
     };
     let emulator = two_diy::Emulator::start(&settings).unwrap();
     let answer = folder.palpate(
-        "record block-at-wall.toml block.mcap --device haply-2diy --port haply --board m0 \
+        "run block-at-wall.toml --record block.mcap --device haply-2diy --port haply --board m0 \
          --origin 0.019,0.1169 --start-pose 130,50 --priority 0 --stall-after-periods 200 --duration 1.2 --json",
     );
     // 5 if the motors were off for most of the ticks.
@@ -333,7 +333,7 @@ fn the_motion_of_a_recording_is_replayed_in_its_world() {
         "ball.toml",
         experiment_text("worlds-on-devices/ball-on-table"),
     );
-    folder.succeed("record ball.toml ball.mcap --fast --duration 1");
+    folder.succeed("run ball.toml --record ball.mcap --fast --duration 1");
     let replayed =
         folder.json_of_a_loop("replay ball.mcap --method basic,coupled --out replayed.csv");
     assert_eq!(replayed["format"], "palpate world 1");
@@ -355,7 +355,8 @@ fn the_motion_of_a_recording_is_replayed_in_its_world() {
 fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
     let folder = Folder::new();
     folder.write("box.toml", experiment_text("worlds/box"));
-    let report = parse(&folder.succeed("record box.toml box.mcap --fast --duration 0.3 --json"));
+    let report =
+        parse(&folder.succeed("run box.toml --record box.mcap --fast --duration 0.3 --json"));
     assert_eq!(report["safety_stop"], serde_json::Value::Null);
     assert!(number(&report, "peak_force_n") > 1.0, "{report}");
     let (mut torque, mut turned, mut proxy): (f64, f64, f64) = (0.0, 0.0, 0.0);
@@ -420,7 +421,7 @@ fn a_device_that_gives_no_torque_is_run_and_replayed() {
     let folder = Folder::new();
     folder.write("stylus.toml", experiment_text("worlds/stylus"));
     let report =
-        parse(&folder.succeed("record stylus.toml stylus.mcap --fast --duration 0.2 --json"));
+        parse(&folder.succeed("run stylus.toml --record stylus.mcap --fast --duration 0.2 --json"));
     assert_eq!(report["safety_stop"], serde_json::Value::Null);
     assert!(number(&report, "peak_force_n") > 1.0, "{report}");
     let replayed =
@@ -440,7 +441,7 @@ fn a_device_that_gives_no_torque_is_run_and_replayed() {
 fn a_guard_acts_in_a_loop_of_a_world_and_is_counted() {
     let folder = folder();
     let guarded = |name: &str, more: &str| {
-        let record = format!("record ball-on-table.toml {name} --fast --duration 1 --json");
+        let record = format!("run ball-on-table.toml --record {name} --fast --duration 1 --json");
         let _ = folder.succeed(&format!("{record} {more}"));
         let info = parse(&folder.succeed(&format!("info {name} --json")));
         info["flags"]["limited-guard"].as_u64().unwrap_or(0)

@@ -33,7 +33,7 @@ fn rows(folder: &Folder, name: &str) -> Vec<Row> {
 #[test]
 fn a_fast_run_loses_nothing_of_its_recording() {
     let folder = folder_with_scenes();
-    folder.succeed("record wall.toml long.mcap --fast --duration 300 --period 0.001");
+    folder.succeed("run wall.toml --record long.mcap --fast --duration 300 --period 0.001");
     let info = parse(&folder.succeed("info long.mcap --json"));
     assert_eq!(info["ticks"], 300_000);
 }
@@ -45,7 +45,7 @@ fn a_fast_run_is_a_simulation() {
     for method in ["hfcr", "coupled"] {
         let flags = format!("--method {method}");
         folder.succeed(&format!(
-            "record fig2.toml {method}.mcap --fast --duration 1 {flags}"
+            "run fig2.toml --record {method}.mcap --fast --duration 1 {flags}"
         ));
         folder.succeed(&format!("simulate fig2.toml {flags} --out {method}.csv"));
         let csv = folder.read(&format!("{method}.csv"));
@@ -116,7 +116,8 @@ fn a_run_in_real_time_takes_its_time_and_reports() {
 #[test]
 fn a_recording_of_a_run_is_whole_and_can_be_replayed() {
     let folder = folder_with_scenes();
-    let answer = folder.palpate("record experiment1.toml tap.mcap --duration 2 --method coupled");
+    let answer =
+        folder.palpate("run experiment1.toml --record tap.mcap --duration 2 --method coupled");
     // On a stalled machine safety disables the force, and the recording is still complete.
     let stood_still = answer.code == 5 && answer.stdout.contains("safety-stop-stalled");
     assert!(answer.code == 0 || stood_still, "{answer:?}");
@@ -141,7 +142,7 @@ fn a_recorded_motion_is_a_device() {
     let trace: String = (0..21).map(line).collect();
     folder.write("push.csv", format!("t_s,position_m\n{trace}"));
     folder.succeed(
-        "record wall.toml push.mcap --fast --device replay --motion push.csv --method basic",
+        "run wall.toml --record push.mcap --fast --device replay --motion push.csv --method basic",
     );
     let ticks = rows(&folder, "push.mcap");
     let at = |time: f64| {
@@ -162,7 +163,7 @@ fn a_recorded_motion_is_a_device() {
     assert!(info.contains("safety-stop-device-lost"), "{info}");
     // A motion recorded by a loop gives the same forces.
     folder.succeed(
-        "record wall.toml again.mcap --fast --device replay --motion push.mcap --method basic",
+        "run wall.toml --record again.mcap --fast --device replay --motion push.mcap --method basic",
     );
     let again = rows(&folder, "again.mcap");
     assert!(again.len() >= 200);
@@ -190,7 +191,7 @@ fn a_pointer_leads_the_device_of_the_scene() {
     let live =
         experiment_text("live").replace("period_s = 0.01", "period_s = 0.005\ndelay_samples = 4");
     folder.write("late.toml", &live);
-    let rests = "record late.toml late.mcap --device pointer --object-position 0 --stiffness 1000 \
+    let rests = "run late.toml --record late.mcap --device pointer --object-position 0 --stiffness 1000 \
                  --fast --duration 10 --json";
     let report = parse(&folder.succeed(rests));
     assert!(report["safety_stop"].is_null(), "{report}");
@@ -252,7 +253,7 @@ fn what_cannot_be_run_is_named() {
         ("run wall.toml --period 11", 3, "a nanosecond to 10 s"),
         ("run nowhere.toml", 1, "nowhere.toml"),
         (
-            "record wall.toml wall.toml --fast",
+            "run wall.toml --record wall.toml --fast",
             1,
             "there is a file of that name",
         ),
@@ -314,7 +315,7 @@ fn a_signal_ends_a_run_without_force_and_completes_the_recording() {
         let file = format!("{name}.mcap");
         let mut child = started(
             &folder,
-            &format!("record wall.toml {file} --duration inf --soft-start 0"),
+            &format!("run wall.toml --record {file} --duration inf --soft-start 0"),
         );
         wait_for_ticks(&folder.path(&format!("{file}.part")));
         child.signal(name);
@@ -335,7 +336,7 @@ fn a_run_that_is_stopped_before_its_time_has_an_exit_code() {
     let folder = folder_with_scenes();
     for name in ["INT", "TERM"] {
         let file = format!("{name}.mcap");
-        let arguments = format!("record wall.toml {file} --duration 1000 --priority 0");
+        let arguments = format!("run wall.toml --record {file} --duration 1000 --priority 0");
         let mut command = program(&folder, &arguments);
         let child = Running::start(command.stdout(Stdio::piped()).stderr(Stdio::piped()));
         wait_for_ticks(&folder.path(&format!("{file}.part")));
@@ -358,7 +359,7 @@ fn a_run_that_is_stopped_before_its_time_has_an_exit_code() {
 #[test]
 fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     let folder = folder_with_scenes();
-    let run = "record wall.toml off.mcap --method basic --stiffness 20000 --period 0.002 --fast \
+    let run = "run wall.toml --record off.mcap --method basic --stiffness 20000 --period 0.002 --fast \
                --duration 5 --json";
     let answer = folder.palpate(run);
     assert_eq!(answer.code, 5, "{answer:?}");
@@ -436,7 +437,8 @@ fn a_loop_that_is_frozen_again_and_again_ends_with_its_motors_off() {
 #[test]
 fn recording_write_failure_is_reported_at_once_and_loop_continues() {
     let folder = folder_with_scenes();
-    let record = "record wall.toml full.mcap --duration inf --period 0.001 --json --priority 0";
+    let record =
+        "run wall.toml --record full.mcap --duration inf --period 0.001 --json --priority 0";
     let limited = format!(
         "ulimit -f 100; exec '{}' {record}",
         env!("CARGO_BIN_EXE_palpate")
@@ -477,7 +479,7 @@ fn a_run_that_is_killed_leaves_a_recording_up_to_its_last_flush() {
         let mut children = Vec::new();
         for (index, instant) in instants.iter().enumerate() {
             let file = format!("{batch}-{index}.mcap");
-            let arguments = format!("record wall.toml {file} --duration inf --priority 0");
+            let arguments = format!("run wall.toml --record {file} --duration inf --priority 0");
             children.push((started(&folder, &arguments), file, *instant));
         }
         for (_, file, _) in &children {

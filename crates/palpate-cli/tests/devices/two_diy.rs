@@ -156,7 +156,7 @@ const WALL: &str =
 fn a_wall_is_felt_recorded_and_read_back() {
     let folder = folder();
     let emulated = Emulated::start(&folder, HAND);
-    let record = format!("record wall.toml tap.mcap {DEVICE} {WALL} --duration 1.5 --json");
+    let record = format!("run wall.toml --record tap.mcap {DEVICE} {WALL} --duration 1.5 --json");
     let answer = folder.palpate(&record);
     assert_eq!(answer.code, 0, "{answer:?}");
     let report = parse(&answer.stdout);
@@ -243,8 +243,9 @@ fn a_cable_that_is_pulled_ends_a_run_with_a_word() {
 fn a_cable_that_is_pulled_is_waited_for() {
     let folder = folder();
     let emulator = emulator(&folder);
-    let run =
-        format!("record wall.toml back.mcap {DEVICE} {WALL} --json --duration inf {RECONNECT}");
+    let run = format!(
+        "run wall.toml --record back.mcap {DEVICE} {WALL} --json --duration inf {RECONNECT}"
+    );
     let mut run = Message::start(&mut program(&folder, &run));
     presses(&emulator);
     emulator.inject_faults(Fault::Unplug(Duration::from_millis(300)));
@@ -282,7 +283,7 @@ fn a_run_that_ends_beside_a_silent_board_has_the_exit_code_of_motors_that_are_of
 fn ends_beside_a_silent_board() -> Option<i32> {
     let folder = folder();
     let emulator = emulator(&folder);
-    let run = format!("record wall.toml silent.mcap {DEVICE} {WALL} --json --duration inf");
+    let run = format!("run wall.toml --record silent.mcap {DEVICE} {WALL} --json --duration inf");
     let run = Message::start(&mut program(&folder, &run));
     presses(&emulator);
     wait_for("it does not run", || {
@@ -388,8 +389,9 @@ fn no_force_comes_back_before_enter_has_said_that_the_arm_is_in_its_start_pose()
     let folder = folder();
     let emulator = emulator(&folder);
     let (mut keys, input) = terminal();
-    let run =
-        format!("record wall.toml back.mcap {DEVICE} {WALL} --duration inf --reconnect --json");
+    let run = format!(
+        "run wall.toml --record back.mcap {DEVICE} {WALL} --duration inf --reconnect --json"
+    );
     let mut run = Message::start(program(&folder, &run).stdin(input));
     presses(&emulator);
     // Earlier input is ignored.

@@ -264,7 +264,7 @@ fn recording_contains_model_values_and_is_replayed_with_them() {
     let folder = folder();
     let actuator = "--delay-periods 0.5 --delay-deviation 0.0001 --lag 0.002 --gain 0.9";
     folder.succeed(&format!(
-        "record scene.toml rec.mcap --method coupled --fast --duration 0.7 {actuator}"
+        "run scene.toml --record rec.mcap --method coupled --fast --duration 0.7 {actuator}"
     ));
     let info = folder.json("info rec.mcap");
     for (key, value) in [
@@ -295,7 +295,7 @@ fn recording_contains_model_values_and_is_replayed_with_them() {
     assert_eq!(replayed(actuator).0, recorded);
     assert_ne!(replayed("--delay-periods 0 --lag 0 --gain 1").0, recorded);
     // A perfect loop is reported too.
-    folder.succeed("record scene.toml perfect.mcap --method coupled --fast --duration 0.1");
+    folder.succeed("run scene.toml --record perfect.mcap --method coupled --fast --duration 0.1");
     let info = folder.json("info perfect.mcap");
     assert_eq!(
         (
@@ -491,7 +491,7 @@ fn pipe_uses_transmission_model_and_warns_above_its_stiffness_limit() {
 fn recording_contains_transmission_model_from_flags() {
     let folder = flexible_folder();
     folder.succeed(&format!(
-        "record flexible.toml rec.mcap --method coupled --fast --duration 0.2 {TRANSMISSION}"
+        "run flexible.toml --record rec.mcap --method coupled --fast --duration 0.2 {TRANSMISSION}"
     ));
     let info = folder.json("info rec.mcap");
     for (key, value) in [
@@ -566,7 +566,7 @@ stiffness_n_per_m = 20000
 fn a_lateness_that_was_learned_is_said() {
     let folder = folder();
     folder.write("late.toml", LATE);
-    let ran = folder.succeed("record late.toml rec.mcap --fast --duration 2.5");
+    let ran = folder.succeed("run late.toml --record rec.mcap --fast --duration 2.5");
     let last = ran.lines().rfind(|line| line.contains("learned-lateness"));
     let words: Vec<&str> = last.unwrap().split_whitespace().collect();
     let at = words.iter().position(|word| *word == "begin").unwrap();
@@ -579,6 +579,6 @@ fn a_lateness_that_was_learned_is_said() {
         "certain.toml",
         LATE.replace("delay_deviation_s = 0.0003", "delay_deviation_s = 0"),
     );
-    let certain = folder.succeed("record certain.toml certain.mcap --fast --duration 2.5");
+    let certain = folder.succeed("run certain.toml --record certain.mcap --fast --duration 2.5");
     assert!(!certain.contains("learned-lateness"), "{certain}");
 }

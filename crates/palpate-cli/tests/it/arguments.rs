@@ -5,14 +5,13 @@ use std::thread;
 
 use crate::common::{Answer, Folder, taps, trace_text};
 
-const COMMANDS: [&str; 26] = [
+const COMMANDS: [&str; 25] = [
     "render",
     "simulate",
     "compare",
     "pipe",
     "calibrate",
     "run",
-    "record",
     "devices",
     "emulate",
     "live",
@@ -130,7 +129,7 @@ struct Example {
 impl Example {
     /// Whether safety watches a real-time loop, in which a missed deadline of the machine counts.
     fn is_in_real_time(&self) -> bool {
-        ["run", "record", "live"].contains(&self.command) && !self.arguments.contains("--fast")
+        ["run", "live"].contains(&self.command) && !self.arguments.contains("--fast")
     }
 
     fn answer(&self) -> Answer {

@@ -1,4 +1,4 @@
-//! A committed recording: `palpate record experiments/experiment1.toml experiment1.mcap --duration 1.5 --fast`, and the
+//! A committed recording: `palpate run experiments/experiment1.toml --record experiment1.mcap --duration 1.5 --fast`, and the
 //! output of `palpate convert`.
 
 use crate::common::{Folder, parse};

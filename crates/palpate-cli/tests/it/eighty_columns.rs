@@ -161,7 +161,7 @@ fn report() {
          coulomb_friction_n = 0.05\nsensor_quantum_m = 1e-5\n",
     );
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/wall.toml");
-    let recorded = format!("record {scene} tap.mcap --duration 0.3 --fast --period 0.005");
+    let recorded = format!("run {scene} --record tap.mcap --duration 0.3 --fast --period 0.005");
     assert_eq!(folder.palpate(&recorded).code, 0);
     let text =
         folder.succeed("report tap.mcap --device-file device.toml --method basic --out p.html");

@@ -39,7 +39,7 @@ fn folder() -> Folder {
 
 fn record(folder: &Folder, name: &str) {
     let answer = folder.palpate(&format!(
-        "record wall.toml {name} --duration 0.3 --fast --period 0.005"
+        "run wall.toml --record {name} --duration 0.3 --fast --period 0.005"
     ));
     assert_eq!(answer.code, 0, "{answer:?}");
 }
@@ -196,7 +196,7 @@ fn what_is_missing_in_a_loop_is_warned_of() {
     text = text.replace("hfcr-mod-st", "basic");
     folder.write("slow.toml", text);
     let answer =
-        folder.palpate("record slow.toml cut.mcap --duration 0.5 --fast --oscillation 1e-9");
+        folder.palpate("run slow.toml --record cut.mcap --duration 0.5 --fast --oscillation 1e-9");
     assert!([0, 5].contains(&answer.code), "{answer:?}");
     let bytes = std::fs::read(folder.path("cut.mcap")).unwrap();
     folder.write("torn.mcap", &bytes[..bytes.len() - 100]);

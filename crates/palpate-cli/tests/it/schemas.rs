@@ -24,7 +24,7 @@ fn every_report_is_as_its_schema_says() {
     let hand = "--replay hand --device-mass 0.25";
     let mut met = BTreeSet::new();
     for arguments in [
-        "record fig2.toml rec.mcap --duration 0.2 --fast",
+        "run fig2.toml --record rec.mcap --duration 0.2 --fast",
         "run wall.toml --duration 0.05",
         "info rec.mcap",
         "simulate fig2.toml --method all",

@@ -169,7 +169,7 @@ impl Turns for Running {
             ClientRequest::Set(_) => ("set", Err("a world is defined by its file".to_owned())),
             ClientRequest::Record(_) => (
                 "record",
-                Err("this page cannot record a world; use `palpate record`".to_owned()),
+                Err("this page cannot record a world; use `palpate run --record`".to_owned()),
             ),
         };
         if let Err(text) = done {

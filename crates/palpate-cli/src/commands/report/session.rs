@@ -1,4 +1,4 @@
-//! The session of a report: a short loop on a device, recorded as by `palpate record`.
+//! The session of a report: a short loop on a device, recorded as by `palpate run --record`.
 
 use std::cell::Cell;
 use std::path::Path;

@@ -14,23 +14,9 @@ pub struct RunArguments {
     /// Scene file (TOML): contact, loop, method, and the simulated device and hand; or a world
     #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
     pub scene: PathBuf,
-    /// Write a recording (MCAP); an existing file is not overwritten
+    /// Write every tick to a recording (MCAP); an existing file is not overwritten
     #[arg(long, value_name = "REC.mcap", value_hint = ValueHint::FilePath)]
     pub record: Option<PathBuf>,
-    /// Loop and device.
-    #[command(flatten)]
-    pub session: SessionArguments,
-}
-
-/// Arguments of `record`.
-#[derive(Args, Debug)]
-pub struct RecordArguments {
-    /// Scene file (TOML): contact, loop, method, and the simulated device and hand; or a world
-    #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
-    pub scene: PathBuf,
-    /// Recording to write (MCAP); an existing file is not overwritten
-    #[arg(value_name = "REC.mcap", value_hint = ValueHint::FilePath)]
-    pub record: PathBuf,
     /// Loop and device.
     #[command(flatten)]
     pub session: SessionArguments,

@@ -1,4 +1,4 @@
-//! `palpate run` and `palpate record`: a real-time loop on a device.
+//! `palpate run`: a real-time loop on a device.
 
 mod arguments;
 mod driving;
@@ -16,9 +16,7 @@ use palpate_scene::method::MethodName;
 use palpate_scene::{ContactFile, Scene, SceneFile, Timing};
 use palpate_study::recording::put_scene;
 
-pub use arguments::{
-    RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
-};
+pub use arguments::{RealtimeArguments, RunArguments, SafetyArguments, SessionArguments};
 pub use outcome::Asked;
 
 use crate::devices::{DeviceName, Opened, open, replayed};
@@ -32,27 +30,8 @@ use crate::reports::{Guarding, RunReport, Subject};
 
 /// Runs a loop, and records it on request.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    session(
-        &arguments.scene,
-        arguments.record.as_deref(),
-        &arguments.session,
-    )
-}
-
-/// Runs a loop and records it.
-pub fn record(arguments: &RecordArguments) -> Result<(), Failure> {
-    session(
-        &arguments.scene,
-        Some(&arguments.record),
-        &arguments.session,
-    )
-}
-
-fn session(
-    path: &Path,
-    record: Option<&Path>,
-    arguments: &SessionArguments,
-) -> Result<(), Failure> {
+    let (path, record) = (arguments.scene.as_path(), arguments.record.as_deref());
+    let arguments = &arguments.session;
     let file = match read_any(path)? {
         SceneFile::Contact(file) => *file,
         SceneFile::World(file) => return world::run_session(&file, (path, record), arguments),

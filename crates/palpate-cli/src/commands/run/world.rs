@@ -1,4 +1,4 @@
-//! `palpate run` and `palpate record` with a world.
+//! `palpate run` with a world.
 
 use std::path::Path;
 
