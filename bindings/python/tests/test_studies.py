@@ -41,7 +41,7 @@ def test_a_sweep_is_that_of_the_program(program: Any, root: Path) -> None:
 
 def test_the_paper_s_claims_are_those_of_the_program(program: Any) -> None:
     ours = palpate.claims()
-    assert ours == program.json("claims")
+    assert ours == program.json("paper", "claims")
     assert ours.format == "palpate claims 1" and len(ours.claims) > 5
     # Comparing the program's own text would need a third run.
     assert all(claim.name in str(ours) for claim in ours.claims)
@@ -69,7 +69,7 @@ def test_a_damping_is_tuned_as_by_the_program(program: Any, root: Path) -> None:
 
 
 def test_start_heights_match_the_cli(program: Any, root: Path) -> None:
-    theirs = program.json("heights", FIG2, "--method", "basic,coupled", "--model-mass-factor", 1.5)
+    theirs = program.json("paper", "heights", FIG2, "--method", "basic,coupled", "--model-mass-factor", 1.5)
     assert palpate.heights(FIG2, ["basic", "coupled"], model_mass_factor=1.5) == theirs
     with pytest.raises(ValueError, match="model_mass_factor is 0, but must be finite and greater than 0"):
         palpate.heights(FIG2, model_mass_factor=0)

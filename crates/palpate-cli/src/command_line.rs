@@ -4,9 +4,8 @@ use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Parser, Subcommand};
 
 use crate::arguments::{
-    ClaimsArguments, CompareArguments, CompletionArguments, DemoArguments, FigureArguments,
-    HeightsArguments, RenderArguments, SimulateArguments, SuiteArguments, SweepArguments,
-    TuneArguments,
+    CompareArguments, CompletionArguments, DemoArguments, RenderArguments, SimulateArguments,
+    SuiteArguments, SweepArguments, TuneArguments,
 };
 use crate::commands::advise::AdviseArguments;
 use crate::commands::bench::BenchArguments;
@@ -18,6 +17,7 @@ use crate::commands::emulate::EmulateArguments;
 use crate::commands::info::InfoArguments;
 use crate::commands::live::LiveArguments;
 use crate::commands::map::MapArguments;
+use crate::commands::paper::PaperArguments;
 use crate::commands::pipe::PipeArguments;
 use crate::commands::replay::ReplayArguments;
 use crate::commands::report::ReportArguments;
@@ -413,17 +413,6 @@ Examples:
   palpate suite --plants 20 --seed 7 --method hfcr,virtual-damper --plot suite.svg --out suite.csv
   palpate suite --plants 5 --method hfcr --write-scenes plants --json")]
     Suite(SuiteArguments),
-    /// Evaluate methods on scenes from 21 start heights
-    #[command(long_about = "\
-Evaluate methods on scenes from 21 start heights.
-
-The gap between device and object changes by up to 5 %, because an error at a single height can be a \
-coincidence. --model-mass-factor gives the renderer a wrong mass of the device. Settings are the scene's.")]
-    #[command(after_help = "\
-Examples:
-  palpate heights experiments/fig2.toml experiments/experiment1.toml --model-mass-factor 1.5
-  palpate heights experiments/experiment2.toml --method hfcr,hfcr-mod-st --json")]
-    Heights(HeightsArguments),
     /// Vary one quantity of a scene, and show the effect on each method
     #[command(override_usage = "\
 palpate sweep <SCENE.toml> --over <QUANTITY> --values <NUMBERS> [OPTIONS]")]
@@ -439,16 +428,6 @@ Examples:
   palpate sweep experiments/fig5.toml --over box --values 0.1,0.11,0.5 --method hfcr,coupled
   palpate sweep experiments/fig2.toml --over damping --values 0,0.03 --method hfcr --heights --json")]
     Sweep(SweepArguments),
-    /// Check the numbers that the paper claims
-    #[command(long_about = "\
-Check the numbers that the paper claims.
-
-Each claim is recomputed on the scenes of experiments/, and listed with its criterion. A claim that does not \
-hold here is not a failure of this program: the exit code is 0.")]
-    #[command(after_help = "\
-Example:
-  palpate claims")]
-    Claims(ClaimsArguments),
     /// Map which stiffness and mass each method can render
     #[command(long_about = "\
 Map which stiffness and mass each method can render.
@@ -478,13 +457,13 @@ Examples:
   palpate advise --device-mass 0.3 --period 0.002 --stiffness 2000 --mass 0.05
   palpate advise --device-mass 0.25 --period 0.02 --viscous-friction 0.5 --json")]
     Advise(AdviseArguments),
-    /// Draw a figure of the paper
+    /// Figures, claims and start heights of the paper
     #[command(after_help = "\
 Examples:
-  palpate figure fig1
-  palpate figure fig4
-  palpate figure fig2 --plot fig2.svg --json")]
-    Figure(FigureArguments),
+  palpate paper figure fig1
+  palpate paper claims
+  palpate paper heights experiments/experiment2.toml --method hfcr,hfcr-mod-st --json")]
+    Paper(PaperArguments),
     /// Show the main results, without any input
     #[command(after_help = "\
 Example:

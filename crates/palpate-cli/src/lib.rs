@@ -52,12 +52,10 @@ pub fn run() -> ExitCode {
         Command::Replay(arguments) => commands::replay::run(&arguments),
         Command::Tune(arguments) => commands::tune::run(&arguments),
         Command::Suite(arguments) => commands::suite::run(&arguments),
-        Command::Heights(arguments) => commands::heights::run(&arguments),
         Command::Sweep(arguments) => commands::sweep::run(&arguments),
-        Command::Claims(arguments) => commands::claims::run(&arguments),
         Command::Map(arguments) => commands::map::run(&arguments),
         Command::Advise(arguments) => commands::advise::run(&arguments),
-        Command::Figure(arguments) => commands::figure::run(&arguments),
+        Command::Paper(arguments) => commands::paper::run(&arguments),
         Command::Demo(arguments) => commands::demo::run(&arguments),
         Command::Completions(arguments) => {
             commands::completions::run(&arguments, &mut command_line())

@@ -54,7 +54,7 @@ def heights(
     *,
     model_mass_factor: float = 1.0,
 ) -> Report:
-    """Evaluates methods on scenes from 21 start heights each, as `palpate heights` does.
+    """Evaluates methods on scenes from 21 start heights each, as `palpate paper heights` does.
 
     Args:
         scenes: Scenes, or paths of scene files.
@@ -102,7 +102,7 @@ def sweep(
 
 
 def claims() -> Report:
-    """Reproduces the numbers that the paper claims, as `palpate claims` does. It takes about ten seconds.
+    """Reproduces the numbers that the paper claims, as `palpate paper claims` does. It takes about ten seconds.
 
     Returns:
         The report: `claims`, each with its place in the paper, the numbers `found`, and whether it `holds`.

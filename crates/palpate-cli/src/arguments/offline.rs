@@ -104,7 +104,7 @@ pub struct SweepArguments {
     pub json: bool,
 }
 
-/// Arguments of `claims`.
+/// Arguments of `paper claims`.
 #[derive(Args, Debug)]
 pub struct ClaimsArguments {
     /// Print the report as JSON
@@ -233,7 +233,7 @@ pub struct SuiteArguments {
     pub json: bool,
 }
 
-/// Arguments of `heights`.
+/// Arguments of `paper heights`.
 #[derive(Args, Debug)]
 pub struct HeightsArguments {
     /// Scene files (TOML); experiments/ has the paper's
@@ -263,7 +263,7 @@ pub struct Compared {
     pub columns: Option<PathBuf>,
 }
 
-/// Arguments of `figure`.
+/// Arguments of `paper figure`.
 #[derive(Args, Debug)]
 pub struct FigureArguments {
     /// Name of the figure

@@ -1,4 +1,4 @@
-//! `palpate figure` and `palpate demo`: pictures without any input.
+//! `palpate paper figure` and `palpate demo`: pictures without any input.
 
 use std::time::{Duration, Instant};
 
@@ -30,7 +30,7 @@ fn drawn(folder: &Folder, name: &str, words: &[&str]) {
 #[test]
 fn fig2_is_drawn_step_by_step() {
     let folder = Folder::new();
-    let table = folder.succeed("figure fig2");
+    let table = folder.succeed("paper figure fig2");
     assert_eq!(folder.names(), ["fig2.svg"]);
     let steps = [
         "basic model",
@@ -50,7 +50,7 @@ fn fig2_is_drawn_step_by_step() {
 #[test]
 fn fig2_report_errors_decrease_with_each_step() {
     let folder = Folder::new();
-    let report = folder.json("figure fig2 --plot steps.svg");
+    let report = folder.json("paper figure fig2 --plot steps.svg");
     assert_eq!(report["files"], serde_json::json!(["steps.svg"]));
     let errors = ["basic", "hfcr-mod", "hfcr-mod-st", "hfcr"]
         .map(|method| number(of_method(&report, method), "force_rendering_error_percent"));
@@ -64,7 +64,7 @@ fn fig2_report_errors_decrease_with_each_step() {
 #[test]
 fn the_drawings_name_what_they_show() {
     let folder = Folder::new();
-    assert_eq!(folder.succeed("figure fig1"), "wrote fig1.svg\n");
+    assert_eq!(folder.succeed("paper figure fig1"), "wrote fig1.svg\n");
     let modes = [
         "(a) free motion",
         "(b) contact",
@@ -78,7 +78,7 @@ fn the_drawings_name_what_they_show() {
         "−f",
     ];
     drawn(&folder, "fig1.svg", &modes);
-    let report = folder.json("figure fig3 --plot linkage.svg");
+    let report = folder.json("paper figure fig3 --plot linkage.svg");
     assert_eq!(report["format"], "palpate figure 1");
     assert_eq!(report["files"], serde_json::json!(["linkage.svg"]));
     let joints = [
@@ -99,7 +99,7 @@ fn the_drawings_name_what_they_show() {
 #[test]
 fn leak_dissipation_is_drawn_over_ten_collisions() {
     let folder = Folder::new();
-    let table = folder.succeed("figure fig2-long");
+    let table = folder.succeed("paper figure fig2-long");
     assert!(table.contains("10 ideal collisions"), "{table}");
     assert!(table.contains("b = 0, 0.0125, 0.03, 0.05 N s/m"), "{table}");
     drawn(
@@ -112,7 +112,7 @@ fn leak_dissipation_is_drawn_over_ten_collisions() {
 #[test]
 fn an_experiment_says_how_true_the_paper_s_truth_is_and_shows_coupled_rendering() {
     let folder = Folder::new();
-    let table = folder.succeed("figure fig5-box");
+    let table = folder.succeed("paper figure fig5-box");
     assert!(table.contains("left the safety box at 0.34 s"), "{table}");
     let shown = [
         "basic at 1 kHz, itself 105 % off the ideal",
@@ -126,9 +126,13 @@ fn an_experiment_says_how_true_the_paper_s_truth_is_and_shows_coupled_rendering(
 #[test]
 fn a_figure_without_a_place_leaves_nothing() {
     let folder = Folder::new();
-    folder.fail("figure fig2 --plot no/fig2.svg", 1, &["no directory `no`"]);
     folder.fail(
-        "figure fig2 --plot fig2.gif",
+        "paper figure fig2 --plot no/fig2.svg",
+        1,
+        &["no directory `no`"],
+    );
+    folder.fail(
+        "paper figure fig2 --plot fig2.gif",
         2,
         &["fig2.gif", ".svg, .pdf or .png"],
     );
@@ -291,7 +295,7 @@ fn the_experiments_stand_beside_the_paper_s_numbers() {
         ("fig4", ["17.1", "51.1", "84.9"]),
         ("fig5", ["52.2", "failed", "failed"]),
     ] {
-        let table = folder.succeed(&format!("figure {figure}"));
+        let table = folder.succeed(&format!("paper figure {figure}"));
         for words in measured
             .iter()
             .chain(&["virtual pantograph", "to basic at 1 kHz"])
@@ -318,11 +322,11 @@ fn the_experiments_stand_beside_the_paper_s_numbers() {
         "fig5.svg",
         &["safety box left", "left the safety box at 0.76 s"],
     );
-    let report = folder.json("figure fig5 --overwrite");
+    let report = folder.json("paper figure fig5 --overwrite");
     let left = |method| &of_method(&report, method)["left_box_at_s"];
     assert_eq!(left("virtual-damper").as_f64(), Some(0.76));
     assert!(left("hfcr").is_null());
-    let report = folder.json("figure fig4 --overwrite");
+    let report = folder.json("paper figure fig4 --overwrite");
     let error = |method| number(of_method(&report, method), "mean_force_error_percent");
     for other in ["basic", "seh", "virtual-damper", "popc-ref"] {
         assert!(error("hfcr") < error(other), "{other}");

@@ -43,7 +43,7 @@ fn commands() -> Vec<(String, &'static [&'static str])> {
             "map merge m.csv --out copy.csv".into(),
             &["copy.csv", "copy.svg"],
         ),
-        ("figure fig2".into(), &["fig2.svg"]),
+        ("paper figure fig2".into(), &["fig2.svg"]),
         ("convert tap.mcap".into(), &["tap.csv", "tap-events.csv"]),
         (
             "replay tap.mcap --method basic --out q.csv --plot q.svg".into(),

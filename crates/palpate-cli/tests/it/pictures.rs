@@ -313,7 +313,7 @@ fn a_figure_has_the_size_and_the_time_that_are_asked_for() {
         "{shown:?}"
     );
     // A drawing is scaled.
-    folder.succeed("figure fig1 --plot c.svg --size page");
+    folder.succeed("paper figure fig1 --plot c.svg --size page");
     assert!((size("c.svg").0 - 170.0).abs() < 0.5);
     let small = format!("{simulate} --plot d.svg --size 20x20");
     folder.fail(&small, 2, &["--size", "too small", "needs"]);

@@ -427,7 +427,10 @@ fn random_parts_state_their_seed_and_several_seeds_give_their_range() {
     folder.write("noisy.toml", text);
     let noisy = folder.json("simulate noisy.toml --seeds 2");
     assert_eq!((&noisy["seed"], &noisy["seeds"]), (&0.into(), &2.into()));
-    for command in ["compare noisy.toml", "heights noisy.toml --method basic"] {
+    for command in [
+        "compare noisy.toml",
+        "paper heights noisy.toml --method basic",
+    ] {
         let text = folder.succeed(command);
         assert!(text.contains("one draw of seed 0"), "{command}: {text}");
     }

@@ -272,7 +272,7 @@ fn invalid_world_is_rejected_with_reason() {
         &["--stiffness", "is a world"],
     );
     folder.fail(
-        "heights ball.toml",
+        "paper heights ball.toml",
         3,
         &["the key format belongs to a world"],
     );

@@ -1,4 +1,4 @@
-//! `palpate suite` and `palpate heights`.
+//! `palpate suite` and `palpate paper heights`.
 
 use crate::common::{Folder, METHODS, experiment, number, of_method, parse};
 use serde_json::Value;
@@ -312,7 +312,7 @@ fn a_column_may_choose_its_damping_and_says_which() {
         let chooses = name.contains(',');
         assert_eq!(damping.is_finite(), chooses, "{name}: {damping}");
     }
-    let heights = "heights fig2.toml --columns damper.toml";
+    let heights = "paper heights fig2.toml --columns damper.toml";
     let table = folder.succeed(heights);
     assert!(table.contains("best B"), "{table}");
     let report = folder.json(heights);
@@ -329,7 +329,7 @@ fn a_column_may_choose_its_damping_and_says_which() {
     );
     assert!((own - error).abs() < 1e-9 * own);
     // Without a choice, nothing is printed about it.
-    let plain = folder.succeed("heights fig2.toml --method hfcr");
+    let plain = folder.succeed("paper heights fig2.toml --method hfcr");
     assert!(!plain.contains("best B"), "{plain}");
 }
 
@@ -411,7 +411,7 @@ fn hfcr_hardly_depends_on_the_start_height() {
     let folder = Folder::new();
     let scenes = ["fig2", "experiment1", "experiment2"].map(experiment);
     let scenes = scenes.map(|path| path.display().to_string()).join(" ");
-    let report = folder.json(&format!("heights {scenes} --model-mass-factor 1.5"));
+    let report = folder.json(&format!("paper heights {scenes} --model-mass-factor 1.5"));
     assert_eq!(report["format"], "palpate heights 1");
     assert_eq!(report["model_mass_factor"], 1.5);
     for (scene, known) in [(0, [10.0, 11.0]), (1, [15.0, 15.0]), (2, [100.0, 107.0])] {
@@ -428,7 +428,7 @@ fn hfcr_hardly_depends_on_the_start_height() {
         );
         assert!((total.hypot(0.0) - floor.hypot(number(error, "own"))).abs() < 1e-9);
     }
-    let table = folder.succeed(&format!("heights {scenes} --method basic"));
+    let table = folder.succeed(&format!("paper heights {scenes} --method basic"));
     for words in [
         "21 start heights within ±5 %",
         "model mass 1 times",
@@ -470,7 +470,7 @@ fn what_has_no_heights_is_an_error_that_says_why() {
             "apart.toml: the ideal has no contact",
         ),
     ] {
-        folder.fail(&format!("heights {arguments}"), code, &[words]);
+        folder.fail(&format!("paper heights {arguments}"), code, &[words]);
     }
 }
 

@@ -1,4 +1,4 @@
-//! `palpate sweep` and `palpate claims`; scenes with a hand in the motors and with a radius.
+//! `palpate sweep` and `palpate paper claims`; scenes with a hand in the motors and with a radius.
 
 use crate::common::{Folder, experiment, experiment_text, number};
 use serde_json::Value;
@@ -108,7 +108,7 @@ fn a_sweep_of_what_is_not_there_says_so() {
 #[test]
 fn claims_report_contains_verdicts_and_findings() {
     let folder = Folder::new();
-    let report = folder.json("claims");
+    let report = folder.json("paper claims");
     assert_eq!(report["format"], "palpate claims 1");
     let claims = report["claims"].as_array().unwrap();
     let holds: Vec<_> = claims

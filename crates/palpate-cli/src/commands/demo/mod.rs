@@ -10,7 +10,7 @@ use palpate_record::trace::Trace;
 use palpate_scene::method::{MethodName, Settings};
 use palpate_study::sim::replay::ReplaySetup;
 
-use super::figure;
+use super::paper::figure;
 use super::render::render;
 use crate::arguments::DemoArguments;
 use crate::failure::Failure;

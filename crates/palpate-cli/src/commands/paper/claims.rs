@@ -1,4 +1,4 @@
-//! `palpate claims`: recomputes the numbers that the paper claims.
+//! `palpate paper claims`: recomputes the numbers that the paper claims.
 
 use palpate_scene::{ContactFile, Scene};
 use palpate_study::claims::report::ClaimsReport;
@@ -11,18 +11,21 @@ use crate::results::print_report;
 
 /// The committed scenes of the claims.
 const SCENES: [(&str, &str); 6] = [
-    ("fig2", include_str!("../../experiments/fig2.toml")),
+    ("fig2", include_str!("../../../experiments/fig2.toml")),
     (
         "experiment1",
-        include_str!("../../experiments/experiment1.toml"),
+        include_str!("../../../experiments/experiment1.toml"),
     ),
     (
         "experiment2",
-        include_str!("../../experiments/experiment2.toml"),
+        include_str!("../../../experiments/experiment2.toml"),
     ),
-    ("fig4", include_str!("../../experiments/fig4.toml")),
-    ("fig5", include_str!("../../experiments/fig5.toml")),
-    ("fig5_box", include_str!("../../experiments/fig5_box.toml")),
+    ("fig4", include_str!("../../../experiments/fig4.toml")),
+    ("fig5", include_str!("../../../experiments/fig5.toml")),
+    (
+        "fig5_box",
+        include_str!("../../../experiments/fig5_box.toml"),
+    ),
 ];
 
 /// Checks the claims and prints them.

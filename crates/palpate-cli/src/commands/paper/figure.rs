@@ -1,4 +1,4 @@
-//! `palpate figure`: figures of the paper.
+//! `palpate paper figure`: figures of the paper.
 
 use std::path::PathBuf;
 
@@ -16,16 +16,16 @@ use palpate_study::report::Report;
 
 /// The scenes of the figures.
 const SCENES: [(&str, &str); 5] = [
-    ("fig2.toml", include_str!("../../experiments/fig2.toml")),
+    ("fig2.toml", include_str!("../../../experiments/fig2.toml")),
     (
         "fig2_long.toml",
-        include_str!("../../experiments/fig2_long.toml"),
+        include_str!("../../../experiments/fig2_long.toml"),
     ),
-    ("fig4.toml", include_str!("../../experiments/fig4.toml")),
-    ("fig5.toml", include_str!("../../experiments/fig5.toml")),
+    ("fig4.toml", include_str!("../../../experiments/fig4.toml")),
+    ("fig5.toml", include_str!("../../../experiments/fig5.toml")),
     (
         "fig5_box.toml",
-        include_str!("../../experiments/fig5_box.toml"),
+        include_str!("../../../experiments/fig5_box.toml"),
     ),
 ];
 

@@ -1,11 +1,11 @@
-//! `palpate heights`: dependence of errors on the start height.
+//! `palpate paper heights`: dependence of errors on the start height.
 
 use palpate_study::heights::report::{HeightsReport, SceneReport};
 use palpate_study::heights::{HeightsError, over_heights};
 use palpate_study::tune::HEIGHTS;
 
-use super::simulate::{explain, read_scene};
 use crate::arguments::{Flags, HeightsArguments, TimingFlags};
+use crate::commands::simulate::{explain, read_scene};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::print_report;

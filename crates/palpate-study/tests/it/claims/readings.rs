@@ -85,7 +85,7 @@ const ROWS: [Row; 10] = [
     ),
 ];
 
-/// Source: derived here, on the paper's scenes; `palpate heights` with the committed columns.
+/// Source: derived here, on the paper's scenes; `palpate paper heights` with the committed columns.
 #[test]
 fn the_committed_columns_have_the_errors_of_the_tables() {
     let text = std::fs::read_to_string(experiments().join("columns/readings.toml")).unwrap();
