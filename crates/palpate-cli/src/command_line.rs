@@ -8,7 +8,6 @@ use crate::arguments::{
     SuiteArguments, SweepArguments, TuneArguments,
 };
 use crate::commands::advise::AdviseArguments;
-use crate::commands::bench::BenchArguments;
 use crate::commands::calibrate::CalibrateArguments;
 use crate::commands::convert::ConvertArguments;
 use crate::commands::devices::DevicesArguments;
@@ -284,18 +283,16 @@ Examples:
 Report the real-time properties of this machine, and try a loop.
 
 After each request, the granted value is read back from the kernel. A refused request is listed with its \
-remedy. The results do not imply a hard bound.")]
+remedy. The results do not imply a hard bound.
+
+With --bench, only the timing of the loop is measured, at each --rate for --duration seconds.")]
     #[command(after_help = "\
 Examples:
   palpate doctor
-  palpate doctor --priority 0 --json")]
+  palpate doctor --priority 0 --json
+  palpate doctor --bench --duration 1
+  palpate doctor --bench --rate 500,4000 --duration 1 --spin 0.0001 --json")]
     Doctor(DoctorArguments),
-    /// Measure the timing of the loop on this machine
-    #[command(after_help = "\
-Examples:
-  palpate bench loop --duration 1
-  palpate bench loop --rate 500,4000 --duration 1 --spin 0.0001 --json")]
-    Bench(BenchArguments),
     /// Describe the contents of a recording, and its gaps
     #[command(long_about = "\
 Describe the contents of a recording, and its gaps.

@@ -46,7 +46,6 @@ pub fn run() -> ExitCode {
         Command::Watchdog => commands::watchdog::run(),
         Command::Doctor(arguments) => commands::doctor::run(&arguments),
         Command::Report(arguments) => commands::report::run(&arguments),
-        Command::Bench(arguments) => commands::bench::run(&arguments),
         Command::Info(arguments) => commands::info::run(&arguments),
         Command::Convert(arguments) => commands::convert::run(&arguments),
         Command::Replay(arguments) => commands::replay::run(&arguments),

@@ -1,7 +1,6 @@
 //! The commands, one file or folder each.
 
 pub mod advise;
-pub mod bench;
 pub mod calibrate;
 pub mod compare;
 pub mod completions;

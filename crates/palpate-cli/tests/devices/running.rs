@@ -257,8 +257,8 @@ fn what_cannot_be_run_is_named() {
             1,
             "there is a file of that name",
         ),
-        ("bench loop --rate 0", 2, "--rate 0"),
-        ("bench", 2, "loop"),
+        ("doctor --bench --rate 0", 2, "--rate 0"),
+        ("doctor --rate 500", 2, "--bench"),
     ];
     for (arguments, code, words) in cases {
         let answer = folder.palpate(arguments);
@@ -282,7 +282,7 @@ fn the_doctor_and_the_bench_answer_programs() {
         assert_eq!(is_granted, asked["remedy"].is_null());
     }
     all_periods(&doctor["loop_at_1000_hz"]["timing"], 2000);
-    let bench = parse(&folder.succeed("bench loop --rate 200,1000 --duration 0.2 --json"));
+    let bench = parse(&folder.succeed("doctor --bench --rate 200,1000 --duration 0.2 --json"));
     all_periods(&bench[0]["timing"], 40);
     all_periods(&bench[1]["timing"], 200);
 }

@@ -5,7 +5,7 @@ use std::thread;
 
 use crate::common::{Answer, Folder, taps, trace_text};
 
-const COMMANDS: [&str; 26] = [
+const COMMANDS: [&str; 25] = [
     "render",
     "simulate",
     "compare",
@@ -16,7 +16,6 @@ const COMMANDS: [&str; 26] = [
     "emulate",
     "live",
     "doctor",
-    "bench",
     "info",
     "convert",
     "replay",

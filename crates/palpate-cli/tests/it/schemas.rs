@@ -57,7 +57,7 @@ fn every_report_is_as_its_schema_says() {
         "devices",
         "calibrate --device simulated --fast --seconds 2",
         "doctor --priority 0",
-        "bench loop --rate 200,1000 --duration 0.05 --priority 0",
+        "doctor --bench --rate 200,1000 --duration 0.05 --priority 0",
         "demo",
     ] {
         let answer = folder.palpate(&format!("{arguments} --json"));

@@ -1,66 +1,49 @@
-//! `palpate bench loop`: timing of the loop on this machine.
+//! `palpate doctor --bench`: timing of the loop on this machine.
 
-use clap::{Args, Subcommand};
+use clap::Args;
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::Request;
 use palpate_study::json;
 
-use super::run::{RealtimeArguments, request};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::reports::{BenchReport, MeasureError, Measured};
 use crate::results::print;
 use crate::values::{duration, number};
 
-/// Arguments of `bench`.
+/// Arguments of `doctor --bench`.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "Benchmark")]
 pub struct BenchArguments {
-    /// The benchmark.
-    #[command(subcommand)]
-    pub what: What,
-}
-
-/// Benchmarks.
-#[derive(Subcommand, Debug)]
-pub enum What {
-    /// Wake-up lateness and tick duration of the loop, without a device
-    Loop(LoopArguments),
-}
-
-/// Arguments of `bench loop`.
-#[derive(Args, Debug)]
-pub struct LoopArguments {
+    /// Measure only the wake-up lateness and the tick duration of the loop, without a device
+    #[arg(long)]
+    pub bench: bool,
     /// Rates of the loop, separated by commas [Hz]
     #[arg(long, value_name = "Hz", value_delimiter = ',', default_value = "1000,4000",
-          value_parser = number)]
+          value_parser = number, requires = "bench")]
     pub rate: Vec<f64>,
     /// Duration at each rate [s]
-    #[arg(long, value_name = "s", default_value = "5", value_parser = number)]
+    #[arg(long, value_name = "s", default_value = "5", value_parser = number, requires = "bench")]
     pub duration: f64,
-    /// Print the report as JSON
-    #[arg(long)]
-    pub json: bool,
-    /// Requests to the machine.
-    #[command(flatten)]
-    pub realtime: RealtimeArguments,
 }
 
-/// Runs the benchmark.
-pub fn run(arguments: &BenchArguments) -> Result<(), Failure> {
-    let What::Loop(arguments) = &arguments.what;
-    let spin = duration("--spin", arguments.realtime.spin)?;
+/// Runs a loop at each rate and prints its timing.
+pub fn run(
+    arguments: &BenchArguments,
+    clock: &MonotonicClock,
+    request: Request,
+    is_json: bool,
+) -> Result<(), Failure> {
     let progress = Progress::new(arguments.rate.len());
     let mut all = Vec::with_capacity(arguments.rate.len());
     for rate in &arguments.rate {
         progress.begin(&format!("{rate} Hz"));
-        let clock = MonotonicClock::new().with_spin(spin);
-        let request = request(&arguments.realtime);
-        let measured = measure(&clock, request, *rate, arguments.duration)?;
+        let measured = measure(clock, request, *rate, arguments.duration)?;
         all.push(BenchReport::new(measured));
         progress.advance();
     }
     drop(progress);
-    print(&if arguments.json {
+    print(&if is_json {
         json(&all) + "\n"
     } else {
         let texts: Vec<String> = all.iter().map(|one| one.measured().to_string()).collect();
