@@ -354,7 +354,7 @@ class two_diy:
 
     def __init__(self, program: Program, folder: Path, *flags: str) -> None:
         self.port = folder / "board"
-        command = [program.path, "emulate", "haply-2diy", "--socket", self.port, "--angles", "130,50"]
+        command = [program.path, "devices", "emulate", "haply-2diy", "--socket", self.port, "--angles", "130,50"]
         self.command = [*map(str, command), "--hold", "0.019,0.1169", *flags]
         self.end = Emulated()
 
@@ -385,7 +385,7 @@ def ended(process: subprocess.Popen[str]) -> Iterator[None]:
 
 
 def test_an_inverse3_behind_its_service(program: Program) -> None:
-    command = [str(program.path), "emulate", "inverse3", "--port", "0", "--events-port", "0"]
+    command = [str(program.path), "devices", "emulate", "inverse3", "--port", "0", "--events-port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as emulator, ended(emulator):
         assert emulator.stdout is not None
         url = emulator.stdout.readline().strip()

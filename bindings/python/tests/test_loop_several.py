@@ -181,7 +181,7 @@ def test_wrong_devices_are_said_by_their_names() -> None:
 @contextlib.contextmanager
 def emulated(program: Program) -> Iterator[tuple[str, subprocess.Popen[str]]]:
     """An Inverse3 on a service of its own: its URL, and the process."""
-    command = [str(program.path), "emulate", "inverse3", "--port", "0", "--events-port", "0"]
+    command = [str(program.path), "devices", "emulate", "inverse3", "--port", "0", "--events-port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as emulator:
         assert emulator.stdout is not None
         try:

@@ -293,7 +293,7 @@ def test_wrong_devices_and_worlds_are_said() -> None:
 
 
 def test_an_inverse3_stands_in_a_world(program: Program) -> None:
-    command = [str(program.path), "emulate", "inverse3", "--port", "0", "--events-port", "0"]
+    command = [str(program.path), "devices", "emulate", "inverse3", "--port", "0", "--events-port", "0"]
     # At the initial cursor position the tool is 5 mm deep in the floor. The device's y axis points down in this world.
     model = pressed(loop={"period_s": 0.004})
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as emulator:

@@ -12,7 +12,6 @@ use crate::commands::calibrate::CalibrateArguments;
 use crate::commands::convert::ConvertArguments;
 use crate::commands::devices::DevicesArguments;
 use crate::commands::doctor::DoctorArguments;
-use crate::commands::emulate::EmulateArguments;
 use crate::commands::info::InfoArguments;
 use crate::commands::live::LiveArguments;
 use crate::commands::map::MapArguments;
@@ -247,34 +246,20 @@ Examples:
   palpate live experiments/experiment1_in_a_hand.toml --device simulated
   palpate live experiments/worlds/pushed-block.toml --method basic,coupled")]
     Live(LiveArguments),
-    /// List the available devices, or check the wiring of one
+    /// List the available devices, check the wiring of one, or emulate one
     #[command(override_usage = "\
 palpate devices [OPTIONS]
-       palpate devices check haply-2diy --move [OPTIONS]")]
+       palpate devices check haply-2diy --move [OPTIONS]
+       palpate devices emulate <haply-2diy|inverse3> [OPTIONS]")]
     #[command(long_about = "\
-List the available devices with the flags that open them, or check the wiring of one. Serial ports are listed \
-with their USB descriptions, the most likely first. Nothing is sent to them.")]
+List the available devices with the flags that open them, check the wiring of one, or emulate one. Serial \
+ports are listed with their USB descriptions, the most likely first. Nothing is sent to them.")]
     #[command(after_help = "\
 Examples:
   palpate devices
-  palpate devices --json")]
+  palpate devices --json
+  palpate devices emulate haply-2diy --hold 0.019,0.05 --duration 1")]
     Devices(DevicesArguments),
-    /// Emulate a device for trials without hardware
-    #[command(override_usage = "\
-palpate emulate haply-2diy [OPTIONS]
-       palpate emulate inverse3 [OPTIONS]")]
-    #[command(long_about = "\
-Emulate a device for trials without hardware.
-
-Standard output is the address: `palpate run SCENE.toml --device haply-2diy --port PATH`, or `--device \
-inverse3 --service URL`, opens it. It moves in real time until ctrl-C.")]
-    #[command(after_help = "\
-Examples:
-  palpate emulate haply-2diy --duration 1
-  palpate emulate haply-2diy --hold 0.019,0.05 --sway 0,0.02 --link my-2diy --duration 1
-  palpate emulate haply-2diy --generation 2 --board m3 --fault stall=0.1@0.5 --duration 1
-  palpate emulate inverse3 --port 0 --events-port 0 --hold 0.01,0,0 --duration 1")]
-    Emulate(EmulateArguments),
     /// Disable the output of a device if its loop cannot; started by the commands that run a loop
     #[command(hide = true)]
     Watchdog,

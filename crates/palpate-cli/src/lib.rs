@@ -42,7 +42,6 @@ pub fn run() -> ExitCode {
         Command::Run(arguments) => commands::run::run(&arguments),
         Command::Live(arguments) => commands::live::run(&arguments),
         Command::Devices(arguments) => commands::devices::run(&arguments),
-        Command::Emulate(arguments) => commands::emulate::run(&arguments),
         Command::Watchdog => commands::watchdog::run(),
         Command::Doctor(arguments) => commands::doctor::run(&arguments),
         Command::Report(arguments) => commands::report::run(&arguments),

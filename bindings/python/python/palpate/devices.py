@@ -229,7 +229,7 @@ class Simulated(Device):
 
 
 class TwoDiy(Device):
-    """Haply 2DIY on a serial port, or `palpate emulate haply-2diy`.
+    """Haply 2DIY on a serial port, or `palpate devices emulate haply-2diy`.
 
     The board holds its last torque until the next command. A watchdog process removes this torque if the program is
     killed or hangs. Read `docs/devices/haply-2diy.md` first.
@@ -276,7 +276,7 @@ class TwoDiy(Device):
 
 
 class Inverse3(Device):
-    """Haply Inverse3 behind its Inverse Service, or `palpate emulate inverse3`.
+    """Haply Inverse3 behind its Inverse Service, or `palpate devices emulate inverse3`.
 
     Args:
         service: URL of the simulation channel of the service; `None`: `ws://localhost:10001`.

@@ -8,7 +8,6 @@ pub mod convert;
 pub mod demo;
 pub mod devices;
 pub mod doctor;
-pub mod emulate;
 mod hand_replay;
 pub mod info;
 pub mod live;

@@ -154,7 +154,10 @@ impl fmt::Display for DeviceList {
         }
         writeln!(f, "\nSerial ports, the most likely Haply 2DIY first")?;
         if self.serial_ports.is_empty() {
-            writeln!(f, "  none; `palpate emulate haply-2diy` emulates one")?;
+            writeln!(
+                f,
+                "  none; `palpate devices emulate haply-2diy` emulates one"
+            )?;
         }
         for port in &self.serial_ports {
             let said = format!("  {}  {}: {}", port.path, port.description, port.guess);

@@ -117,14 +117,14 @@ fn what_a_service_has_is_listed() {
     folder.fail(
         &format!("run wall.toml --device inverse3 --service {url}"),
         1,
-        &["no answer from", "palpate emulate inverse3"],
+        &["no answer from", "palpate devices emulate inverse3"],
     );
 }
 
 #[test]
 fn an_emulated_service_says_where_it_is_and_what_it_was_commanded() {
     let folder = folder();
-    let emulate = "emulate inverse3 --port 0 --events-port 0 --form 3.1 --hold 0.012,0,0 \
+    let emulate = "devices emulate inverse3 --port 0 --events-port 0 --form 3.1 --hold 0.012,0,0 \
                    --fault twice@0.1 --duration 3";
     let mut emulate = program(&folder, emulate);
     let emulate = emulate.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -168,10 +168,22 @@ fn what_makes_no_sense_is_refused() {
             "only ws:// is supported",
         ),
         ("run wall.toml --reconnect", "haply-2diy and inverse3"),
-        ("emulate inverse3 --fault stall@1", "KIND=SECONDS@SECONDS"),
-        ("emulate inverse3 --hold 1,2", "three numbers are needed"),
-        ("emulate inverse3 --port 0 --events-port 0 --mass 0", "mass"),
-        ("emulate inverse3 --sway-period 0", "--sway-period is 0"),
+        (
+            "devices emulate inverse3 --fault stall@1",
+            "KIND=SECONDS@SECONDS",
+        ),
+        (
+            "devices emulate inverse3 --hold 1,2",
+            "three numbers are needed",
+        ),
+        (
+            "devices emulate inverse3 --port 0 --events-port 0 --mass 0",
+            "mass",
+        ),
+        (
+            "devices emulate inverse3 --sway-period 0",
+            "--sway-period is 0",
+        ),
     ] {
         folder.fail(arguments, 2, &[words]);
     }

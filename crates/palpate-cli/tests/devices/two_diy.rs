@@ -21,7 +21,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// `palpate emulate haply-2diy`, with its port as `haply` in the folder.
+/// `palpate devices emulate haply-2diy`, with its port as `haply` in the folder.
 struct Emulated {
     child: Running,
     said: ChildStderr,
@@ -53,7 +53,10 @@ fn has_recorded(folder: &Folder, part: &str, is_it: impl Fn(&Entry) -> bool) -> 
 
 impl Emulated {
     fn start(folder: &Folder, flags: &str) -> Self {
-        let mut child = started(folder, &format!("emulate haply-2diy --socket haply{flags}"));
+        let mut child = started(
+            folder,
+            &format!("devices emulate haply-2diy --socket haply{flags}"),
+        );
         wait_for("no port", || folder.path("haply").exists());
         let said = child.stderr.take().unwrap();
         Self { child, said }
@@ -532,12 +535,12 @@ fn what_does_not_belong_to_the_2diy_or_to_another_device_is_named() {
             ["--start-pose", "generation 3"],
         ),
         (
-            "emulate haply-2diy --fault stall",
+            "devices emulate haply-2diy --fault stall",
             2,
             ["--fault", "stall=0.05@3"],
         ),
         (
-            "emulate haply-2diy --hold 1 --duration 0",
+            "devices emulate haply-2diy --hold 1 --duration 0",
             2,
             ["--hold", "two numbers"],
         ),

@@ -13,7 +13,7 @@ const COMMANDS: [&str; 25] = [
     "calibrate",
     "run",
     "devices",
-    "emulate",
+    "devices emulate",
     "live",
     "doctor",
     "info",

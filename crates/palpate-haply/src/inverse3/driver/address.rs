@@ -39,7 +39,7 @@ pub enum ConnectError {
     /// No server answers at the address.
     #[error(
         "no answer from {url}: {error}; start Haply's Inverse Service, or \
-         `palpate emulate inverse3` to try without a device"
+         `palpate devices emulate inverse3` to try without a device"
     )]
     Nobody {
         /// Address.

@@ -26,7 +26,7 @@ fn a_service_that_is_not_there_is_said_to_be_so() {
         ..Inverse3Options::default()
     });
     assert!(
-        said.contains("no answer from") && said.contains("palpate emulate"),
+        said.contains("no answer from") && said.contains("palpate devices emulate"),
         "{said}"
     );
 }

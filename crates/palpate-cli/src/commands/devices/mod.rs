@@ -1,4 +1,6 @@
-//! `palpate devices`: lists the available devices, or checks the wiring of one.
+//! `palpate devices`: lists the available devices, checks the wiring of one, or emulates one.
+
+mod emulate;
 
 #[cfg(unix)]
 use std::time::Duration;
@@ -12,6 +14,7 @@ use crate::reports::DeviceList;
 #[cfg(unix)]
 use crate::results::print;
 use crate::results::print_report;
+use emulate::EmulateArguments;
 
 /// Arguments of `devices`.
 #[derive(Args, Debug)]
@@ -38,6 +41,22 @@ Put the arm into its start pose and release it. Each motor gets a short pulse of
 backwards, a quarter of its maximum torque. The arm MOVES by a few degrees, so the check requires --move. At \
 the end the torque is 0. The same holds after ctrl-C, SIGTERM or SIGHUP, which end the check with exit code 130.")]
     Check(CheckArguments),
+    /// Emulate a device for trials without hardware
+    #[command(override_usage = "\
+palpate devices emulate haply-2diy [OPTIONS]
+       palpate devices emulate inverse3 [OPTIONS]")]
+    #[command(long_about = "\
+Emulate a device for trials without hardware.
+
+Standard output is the address: `palpate run SCENE.toml --device haply-2diy --port PATH`, or `--device \
+inverse3 --service URL`, opens it. It moves in real time until ctrl-C.")]
+    #[command(after_help = "\
+Examples:
+  palpate devices emulate haply-2diy --duration 1
+  palpate devices emulate haply-2diy --hold 0.019,0.05 --sway 0,0.02 --link my-2diy --duration 1
+  palpate devices emulate haply-2diy --generation 2 --board m3 --fault stall=0.1@0.5 --duration 1
+  palpate devices emulate inverse3 --port 0 --events-port 0 --hold 0.01,0,0 --duration 1")]
+    Emulate(EmulateArguments),
 }
 
 /// Arguments of `devices check`.
@@ -65,11 +84,12 @@ pub enum Checkable {
     Haply2diy,
 }
 
-/// Lists the devices, or checks one.
+/// Lists the devices, checks one, or emulates one.
 pub fn run(arguments: &DevicesArguments) -> Result<(), Failure> {
     match &arguments.what {
         None => list(arguments),
         Some(What::Check(arguments)) => check(arguments),
+        Some(What::Emulate(arguments)) => emulate::run(arguments),
     }
 }
 

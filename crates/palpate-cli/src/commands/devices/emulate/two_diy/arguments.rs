@@ -6,10 +6,10 @@ use clap::{Args, ValueEnum, ValueHint};
 #[cfg(unix)]
 use palpate_haply::emulator::two_diy::TimedFault;
 
-use crate::commands::emulate::AmplifierFlags;
+use crate::commands::devices::emulate::AmplifierFlags;
 use crate::values::{BoardName, number, pair};
 
-/// Arguments of `emulate haply-2diy`.
+/// Arguments of `devices emulate haply-2diy`.
 #[derive(Args, Debug)]
 pub struct TwoDiyArguments {
     /// Generation

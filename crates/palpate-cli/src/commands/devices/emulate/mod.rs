@@ -1,7 +1,7 @@
-//! `palpate emulate`: emulated devices.
+//! `palpate devices emulate`: emulated devices.
 
 mod inverse3;
-pub mod two_diy;
+mod two_diy;
 
 use clap::{Args, Subcommand};
 use palpate_testbed::actuator::ActuatorParams;
@@ -9,7 +9,7 @@ use palpate_testbed::actuator::ActuatorParams;
 use crate::failure::Failure;
 use crate::values::number;
 
-/// Arguments of `emulate`.
+/// Arguments of `devices emulate`.
 #[derive(Args, Debug)]
 pub struct EmulateArguments {
     /// The device to emulate.

@@ -1,4 +1,4 @@
-//! `palpate emulate haply-2diy`.
+//! `palpate devices emulate haply-2diy`.
 
 pub mod arguments;
 #[cfg(unix)]

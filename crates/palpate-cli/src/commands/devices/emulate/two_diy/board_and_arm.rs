@@ -7,7 +7,7 @@ use palpate_haply::two_diy::Generation;
 use palpate_rt::StopFlag;
 
 use super::arguments::{HandArguments, TwoDiyArguments, UsbFlags, WiringName};
-use crate::commands::emulate::within;
+use crate::commands::devices::emulate::within;
 use crate::devices::two_diy::board;
 use crate::failure::{Failure, tell};
 use crate::results::print;

@@ -1,4 +1,4 @@
-//! `palpate emulate inverse3`: Haply's Inverse Service with an emulated device.
+//! `palpate devices emulate inverse3`: Haply's Inverse Service with an emulated device.
 
 use clap::{Args, ValueEnum};
 use palpate_haply::emulator::inverse3::{
@@ -13,7 +13,7 @@ use crate::failure::{Failure, tell};
 use crate::results::print;
 use crate::values::{FrameVector, duration, number, place};
 
-/// Arguments of `emulate inverse3`.
+/// Arguments of `devices emulate inverse3`.
 #[derive(Args, Debug)]
 pub struct Inverse3EmulatorArguments {
     /// Form of the interface
