@@ -27,30 +27,23 @@ const STYLES: Styles = Styles::styled()
     .literal(AnsiColor::Cyan.on_default().bold())
     .placeholder(AnsiColor::Cyan.on_default());
 
-/// Energy-consistent haptic contact rendering.
-///
-/// Renders the contact of a haptic device with a virtual object of finite mass, or a wall, at any loop rate, and
-/// reports the energy that each method generates and its force error relative to the ideal force.
+/// Energy-consistent haptic contact rendering at any loop rate
 #[derive(Parser, Debug)]
 #[command(name = "palpate", version, styles = STYLES, max_term_width = 100)]
 #[command(after_help = "\
+palpate help <COMMAND> describes a command.
+palpate completions <SHELL> prints shell completions.
+palpate --version prints the version.
+
 Examples:
-  palpate demo                                      the main results in a few seconds
+  palpate demo          the main results in a few seconds
   palpate simulate experiments/fig2.toml --method all
-  palpate render hand.csv --stiffness 400 --mass 0.1 --period 0.01 --method all --plot hand.svg
 
 Exit codes:
-  0  done
-  1  a file could not be read or written
-  2  the arguments are wrong
-  3  an input file is wrong; the message says where
-  4  done, but the recording that was read or made is incomplete; the output or
-     standard error lists the gaps
-  5  the loop ran without force at its end or for most of its time, because safety
-     disabled the motors or the renderer rejected the samples; or a pipe rejected
-     every line or was stopped by safety
-  6  the device or its hand prevents a result; the message gives the reason
-  130  stopped early by ctrl-C or another signal; completed results are kept")]
+  0  done                              4  done, but the recording is incomplete
+  1  a file was not read or written    5  the force was off at the end or mostly
+  2  the arguments are wrong           6  the device or its hand prevents a result
+  3  an input file is wrong          130  a signal such as ctrl-C ended it early")]
 pub struct Arguments {
     /// The command.
     #[command(subcommand)]
@@ -213,9 +206,12 @@ last force, a watchdog process does so if this process is killed or stopped. Mis
 skipped, and the renderer uses the elapsed time. Flags override values of the scene. A world (format = 2) is \
 rendered on devices with up to three axes; docs/worlds.md describes their frames.
 
+The exit code is 5 if the loop ran without force at its end or for most of its time, because safety disabled \
+the motors or the renderer rejected the samples.
+
 --record writes every tick to a recording. The loop never waits for the disk. Ticks that could not be written \
-are missing from the numbering and reported at the end. Written data survive every end of the program. During \
-recording the file is called NAME.part.")]
+are missing from the numbering and reported at the end, with exit code 4. Written data survive every end of \
+the program. During recording the file is called NAME.part.")]
     #[command(after_help = "\
 Examples:
   palpate run experiments/experiment1.toml --device simulated --duration 3
@@ -247,6 +243,7 @@ Examples:
   palpate live experiments/worlds/pushed-block.toml --method basic,coupled")]
     Live(LiveArguments),
     /// List the available devices, check the wiring of one, or emulate one
+    #[command(args_conflicts_with_subcommands = true)]
     #[command(override_usage = "\
 palpate devices [OPTIONS]
        palpate devices check haply-2diy --move [OPTIONS]
@@ -303,7 +300,7 @@ Examples:
   palpate convert tap.mcap
   palpate convert tap.mcap --to csv --out table.csv")]
     Convert(ConvertArguments),
-    /// Render a recording by another method: its motion, or its hand in closed loop
+    /// Render a recording by another method, as a motion or as a hand
     #[command(override_usage = "palpate replay <REC.mcap> --method <NAMES> [OPTIONS]")]
     #[command(long_about = "\
 Render a recording by another method.
@@ -331,7 +328,7 @@ Examples:
   palpate replay tap.mcap --replay hand --method basic,coupled --plot hand.svg
   palpate replay tap.mcap --replay hand --device-mass 0.3 --hand-stiffness 200 --hand-damping 5")]
     Replay(ReplayArguments),
-    /// Write a page about a device: its timing, calibration, renderable contacts, a contact, warnings
+    /// Write a page about a device: its timing, calibration and contacts
     #[command(override_usage = "\
 palpate report [RECORDING.mcap]... [--device-file <FILE.toml>] --out <PAGE.html> [OPTIONS]
        palpate report --device <NAME> [--device-file <FILE.toml>] --out <PAGE.html> [OPTIONS]")]
@@ -357,7 +354,7 @@ Examples:
   palpate report --device-file device.toml --name 'Arm no. 7' --json
   palpate report --device simulated --scene wall.toml --duration 2 --out device.html")]
     Report(Box<ReportArguments>),
-    /// Find the best damping of a method for a scene, and draw the whole curve
+    /// Find the best damping of a method for a scene
     #[command(long_about = "\
 Find the best damping of a method for a scene, and draw the whole curve.
 
@@ -439,7 +436,7 @@ Examples:
   palpate advise --device-mass 0.3 --period 0.002 --stiffness 2000 --mass 0.05
   palpate advise --device-mass 0.25 --period 0.02 --viscous-friction 0.5 --json")]
     Advise(AdviseArguments),
-    /// Figures, claims and start heights of the paper
+    /// Show figures, claims and start heights of the paper
     #[command(after_help = "\
 Examples:
   palpate paper figure fig1
@@ -452,6 +449,7 @@ Example:
   palpate demo --out-dir first-look")]
     Demo(DemoArguments),
     /// Print a completion script for a shell
+    #[command(hide = true)]
     #[command(after_help = "\
 Example:
   palpate completions bash > ~/.local/share/bash-completion/completions/palpate")]

@@ -1,6 +1,6 @@
 //! The program `palpate`: arguments in, files and reports out. The physics is in the libraries.
 //!
-//! The program is a library with one function to shorten the build: cargo compiles a library as soon as the types of
+//! The program is a library to shorten the build: cargo compiles a library as soon as the types of
 //! its dependencies are known, and a program only after all of them are compiled.
 
 mod arguments;
@@ -9,6 +9,7 @@ mod commands;
 mod devices;
 mod excerpt;
 mod failure;
+mod help;
 mod inside;
 mod pipe;
 mod progress;
@@ -65,10 +66,11 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// Returns the command line. Numeric options accept negative numbers, so that their checks can report the allowed
-/// values.
-fn command_line() -> clap::Command {
-    taking_numbers_below_zero(Arguments::command())
+/// Returns the command line. Its help lists the commands in groups. Numeric options accept negative numbers, so that
+/// their checks can report the allowed values.
+#[must_use]
+pub fn command_line() -> clap::Command {
+    taking_numbers_below_zero(help::in_groups(Arguments::command()))
 }
 
 fn taking_numbers_below_zero(command: clap::Command) -> clap::Command {

@@ -3,6 +3,7 @@
 mod actuation;
 mod arguments;
 mod calibrate;
+mod command_list;
 mod committed_recording;
 mod common;
 mod compare;
