@@ -40,7 +40,7 @@ Check that each motor turns its own joint in the right direction.
 Put the arm into its start pose and release it. Each motor gets a short pulse of 0.03 N m forwards and one \
 backwards, a quarter of its maximum torque. The arm MOVES by a few degrees, so the check requires --move. At \
 the end the torque is 0. The same holds after ctrl-C, SIGTERM or SIGHUP, which end the check with exit code 130.")]
-    Check(CheckArguments),
+    Check(Box<CheckArguments>),
     /// Emulate a device for trials without hardware
     #[command(override_usage = "\
 palpate devices emulate haply-2diy [OPTIONS]
