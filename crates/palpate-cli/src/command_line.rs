@@ -42,7 +42,7 @@ Examples:
 Exit codes:
   0  done                              4  done, but the recording is incomplete
   1  a file was not read or written    5  the force was off at the end or mostly
-  2  the arguments are wrong           6  the device or its hand prevents a result
+  2  the arguments are wrong           6  the device or hand prevents a result
   3  an input file is wrong          130  a signal such as ctrl-C ended it early")]
 pub struct Arguments {
     /// The command.
