@@ -109,8 +109,6 @@ impl Scene {
         ] {
             if value.is_finite() && value > LARGEST {
                 faults.not(Rendered(parameter), value, "at most 1e12");
-            } else if value > 0.0 && value < SMALLEST {
-                faults.not(Rendered(parameter), value, "at least 1e-20");
             }
         }
     }

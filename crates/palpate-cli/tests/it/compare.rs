@@ -126,7 +126,7 @@ fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
     folder.fail(
         "compare gap.toml bad.toml",
         3,
-        &["bad.toml:21:12: loop.period_s is 0 s"],
+        &["bad.toml:7:12: loop.period_s is 0 s"],
     );
     folder.fail("compare", 2, &["<SCENE.toml>"]);
     folder.fail(
