@@ -188,7 +188,7 @@ fn the_line_at_fault_is_drawn() {
     folder.write("bad.toml", text);
     let drawing = [
         "did you mean period_s?",
-        " 6 │ [loop]\n 7 │ period = 0.01\n",
+        "6 │ [loop]\n7 │ period = 0.01\n",
         "━━━━━━ here",
     ];
     folder.fail("simulate bad.toml", 3, &drawing);

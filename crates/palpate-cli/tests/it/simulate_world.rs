@@ -274,7 +274,7 @@ fn invalid_world_is_rejected_with_reason() {
     folder.fail(
         "paper heights ball.toml",
         3,
-        &["the key format belongs to a world"],
+        &["one contact along one axis is needed here, but the device has 3 axes"],
     );
 }
 

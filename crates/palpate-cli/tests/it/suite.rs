@@ -463,7 +463,7 @@ fn what_has_no_heights_is_an_error_that_says_why() {
         ),
         (String::new(), 2, "<SCENE.toml>"),
         ("nowhere.toml".into(), 1, "nowhere.toml"),
-        ("bad.toml".into(), 3, "bad.toml:21:12: loop.period_s is 0 s"),
+        ("bad.toml".into(), 3, "bad.toml:7:12: loop.period_s is 0 s"),
         (
             "apart.toml".into(),
             3,

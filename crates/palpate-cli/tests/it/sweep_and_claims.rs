@@ -139,8 +139,8 @@ fn claims_report_contains_verdicts_and_findings() {
 #[test]
 fn the_place_of_the_hand_s_force_is_a_flag_and_a_key() {
     let folder = Folder::new();
-    let edited =
-        experiment_text("fig5").replace("force_n = 1\n", "force_n = 1\nforce_at = \"motors\"\n");
+    let edited = experiment_text("fig5")
+        .replace("[device.hand]\n", "[device.hand]\nforce_at = \"motors\"\n");
     folder.write("motors.toml", edited);
     folder.write("plain.toml", experiment_text("fig5"));
     let simulate = |arguments: &str| folder.json(&format!("simulate {arguments} --method hfcr"));

@@ -117,7 +117,7 @@ fn a_long_pause_is_caught_up_in_part() {
 /// A hand that turns its device faster than a loop can follow is refused with the reason.
 #[test]
 fn a_hand_too_stiff_for_its_device_is_refused() {
-    let hand = "inertia_kg_m2 = [1e-4, 1e-4, 1e-9]\nhand_rotational_stiffness_n_m_per_rad = 2.0";
+    let hand = "inertia_kg_m2 = [1e-4, 1e-4, 1e-9]\nhand.rotational_stiffness_n_m_per_rad = 2.0";
     let text = PLATE.replace("inertia_kg_m2 = [1e-4, 2e-4, 3e-4]", hand);
     let scene = WorldFile::parse("plate.toml", &text).unwrap().scene;
     let actuator = &scene.timing.actuator;
