@@ -68,6 +68,6 @@ fn the_radius_moves_what_is_drawn_and_nothing_else() {
         ball.check()
             .unwrap_err()
             .to_string()
-            .contains("object.radius_m")
+            .contains("body.centre_m")
     );
 }
