@@ -1,6 +1,6 @@
 //! `claims`: the paper's numerical claims, recomputed.
 
-use palpate_scene::{Scene, SceneFile};
+use palpate_scene::{ContactFile, Scene};
 use palpate_study::claims::report::ClaimsReport;
 use palpate_study::claims::{PaperScenes, check};
 use pyo3::prelude::*;
@@ -29,7 +29,7 @@ const SCENES: [(&str, &str); 6] = [
 pub fn claims(py: Python<'_>) -> PyResult<(String, String)> {
     let scenes: PyResult<Vec<Scene>> = SCENES
         .iter()
-        .map(|(name, text)| Ok(SceneFile::parse(name, text).map_err(refused)?.scene))
+        .map(|(name, text)| Ok(ContactFile::parse(name, text).map_err(refused)?.scene))
         .collect();
     let scenes: [Scene; 6] = scenes?
         .try_into()

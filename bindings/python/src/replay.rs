@@ -8,7 +8,7 @@ use palpate_record::recording::{Recording, RecordingError};
 use palpate_record::trace::Part;
 use palpate_scene::method::MethodName;
 use palpate_scene::{
-    Delay, GUARD_ALLOWANCE, GUARD_SPEED, Scene, SceneFile, SceneParameter, SetupError,
+    ContactFile, Delay, GUARD_ALLOWANCE, GUARD_SPEED, Scene, SceneParameter, SetupError,
 };
 use palpate_study::device_loop::RecordedWorld;
 use palpate_study::hand_replay::{HandReplayError, HandReplayStep};
@@ -137,6 +137,7 @@ impl Changes {
         }
         if let Some(quantum) = self.encoder_quantum {
             *scene.device.encoder_quantum_mut() = quantum;
+            scene.model.sensor_quantum = None;
         }
         Ok(())
     }
@@ -258,7 +259,7 @@ impl OfARecording {
 /// An open recording and the replay to run.
 struct Replaying {
     recording: Recording,
-    file: SceneFile,
+    file: ContactFile,
     scene: Scene,
     methods: Vec<MethodName>,
     part: Part,

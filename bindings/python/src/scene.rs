@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use palpate_scene::method::MethodName;
-use palpate_scene::{Measure, Scene, SceneError, SceneErrors, SceneFile, SceneParameter, beside};
+use palpate_scene::{ContactFile, Measure, Scene, SceneError, SceneErrors, SceneParameter, beside};
 use palpate_study::sim::closed_loop::LoopError;
 use palpate_testbed::reference::ReferenceError;
 use pyo3::exceptions::{PyOSError, PyTypeError};
@@ -18,7 +18,7 @@ use crate::names::refused;
 #[pyclass(frozen, subclass, name = "Scene", module = "palpate._palpate")]
 pub struct PyScene {
     /// The scene, with the source location of each value.
-    file: SceneFile,
+    file: ContactFile,
     /// Name in reports: its file or its title.
     pub name: String,
     /// Whether the text is a user's file, so that messages can point at its lines.
@@ -67,7 +67,7 @@ impl PyScene {
     fn new(text: String, name: Option<String>, folder: PathBuf) -> PyResult<Self> {
         let called = name.clone().unwrap_or_else(|| "scene".into());
         // `beside` takes a file path and searches in its folder.
-        let file = SceneFile::parse_with(&called, &text, &mut beside(&folder.join("scene")))
+        let file = ContactFile::parse_with(&called, &text, &mut beside(&folder.join("scene")))
             .map_err(|errors| {
                 refused(if name.is_some() {
                     errors.to_string()
@@ -108,8 +108,12 @@ impl PyScene {
 
 /// Returns the messages with table and key in place of a line, because the text was generated.
 pub fn messages(errors: &SceneErrors) -> String {
+    // A message on a key of one contact begins with the key, without the number of the only device, body or contact.
+    let says = |message: &str, place: &str| {
+        message.starts_with(place) || message.starts_with(&place.replacen("[0]", "", 1))
+    };
     let messages = errors.iter().map(|error| match place(error) {
-        Some(place) if !error.message.starts_with(&place) => {
+        Some(place) if !says(&error.message, &place) => {
             format!("{place}: {}", error.message)
         }
         _ => error.message.clone(),

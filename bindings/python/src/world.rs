@@ -6,6 +6,7 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use palpate_device::Wrench;
 use palpate_rt::BoundedWorld;
 use palpate_rt::safety::SafetyParams;
+use palpate_scene::SceneFile;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_world::{
     Effort, IDENTITY, Quaternion, Sample, Tool, Vector, WorldError, WorldPart, WorldState,
@@ -18,10 +19,14 @@ use crate::names::refused;
 use crate::renderer::safety_params;
 use crate::scene::messages;
 
-/// Whether the text of a scene file describes a world.
+/// Whether the world renderer renders the scene of a text, rather than the closed form of one contact along one axis.
+/// Mesh files are searched in `folder`. `False` too for a text with errors.
 #[pyfunction]
-pub fn is_world(text: &str) -> bool {
-    WorldFile::is_world_file(text)
+pub fn is_world(text: &str, folder: PathBuf) -> bool {
+    // Files are searched in the folder of this path.
+    let name = folder.join("scene");
+    SceneFile::parse(&name.to_string_lossy(), text)
+        .is_ok_and(|file| matches!(file, SceneFile::World(_)))
 }
 
 /// A checked world, its renderer and its state.

@@ -71,7 +71,7 @@ def test_an_excitation_and_its_fit_are_those_of_the_program(program: Any, tmp_pa
 
 def test_the_device_of_a_scene_is_calibrated_in_simulated_time(program: Any, root: Path) -> None:
     scene = palpate.Scene.read("experiments/experiment1.toml").replace(
-        device={"kind": "point-mass", "mass_kg": 0.3, "encoder_quantum_m": 1e-5}, loop={"period_s": 0.002}
+        device={"mass_kg": 0.3, "quantum_m": 1e-5}, loop={"period_s": 0.002}
     )
     found = palpate.calibrate(scene, duration=3.0)
     assert abs(found.found["device_mass_kg"].value - 0.3) < 0.003

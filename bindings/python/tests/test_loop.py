@@ -218,9 +218,37 @@ def test_a_recording_is_what_was_read_and_the_program_replays_it(program: Progra
     assert 'name = "pointer"' in recording.texts["device"]
     replayed = program.json("replay", path, "--method", "basic")
     assert replayed["methods"][0]["method"] == "basic"
+    [body] = palpate.Scene.parse(recording.texts["scene"]).to_dict()["body"]
+    assert body["fixed"] is True and body["shape"] == {"half_space": {"normal": [-1.0, 0.0, 0.0]}}
     # An existing file is not overwritten.
     with pytest.raises(OSError, match="tap.mcap"):
         loop(pressing(), wall(), record=path)
+
+
+@pytest.mark.parametrize(
+    ("axis", "place", "normal"),
+    [("x", [-0.002, 0, 0], [-1, 0, 0]), ("z", [0, 0, -0.002], [0, 0, -1]), ([0, 3, 4], [0, -0.0012, -0.0016], [0, -0.6, -0.8])],
+)
+def test_a_recording_has_the_device_of_a_scene_along_x(axis: Any, place: list[float], normal: list[float], tmp_path: Path) -> None:
+    held = {"force_n": [-20.0 * part for part in normal], "release_s": 10.0}
+    rubs = {"coulomb_friction_n": 0.02}
+    tool = {"name": "tool", "axes": [axis], "mass_kg": 0.3, "quantum_m": 1e-6, "position_m": place, "drivetrain": rubs, "hand": held}
+    scene = palpate.Scene(
+        "A tool at a wall",
+        loop={"period_s": 0.002},
+        device=tool,
+        body={"name": "wall", "fixed": True, "shape": {"half_space": {"normal": normal}}},
+        contact={"between": ["tool", "wall"], "stiffness_n_per_m": 300.0},
+    )
+    path = tmp_path / "tap.mcap"
+    with loop(palpate.devices.Simulated(scene), wall(mass=0.2, force=-0.5, side="negative"), record=path) as running:
+        running.read(wait=PATIENCE)
+    recorded = palpate.Scene.parse(palpate.read_recording(path).texts["scene"]).to_dict()
+    [device], [body] = recorded["device"], recorded["body"]
+    assert device.pop("position_m") == [pytest.approx(-0.002), 0.0, 0.0]
+    assert device == {"name": "device", "axes": ["x"], "mass_kg": 0.3, "quantum_m": 1e-6, "drivetrain": rubs}
+    assert body["axes"] == ["x"] and body["mass_kg"] == 0.2 and body["force_n"] == [-0.5, 0.0, 0.0]
+    assert body["shape"] == {"half_space": {"normal": [1.0, 0.0, 0.0]}}
 
 
 def test_the_device_and_the_hand_of_a_scene(root: Path) -> None:

@@ -42,9 +42,7 @@ def side_by_side(**changes: Any) -> palpate.World:
             "mass_kg": 0.25,
             "position_m": [x, 0.0, 0.005],
             "tool": {"sphere": {"radius_m": 0.01}},
-            "hand_stiffness_n_per_m": 200.0,
-            "hand_damping_n_s_per_m": 10.0,
-            "hand_rest_m": [x, 0.0, 0.005],
+            "hand": {"stiffness_n_per_m": 200.0, "damping_n_s_per_m": 10.0, "rest_m": [x, 0.0, 0.005]},
         }
         for name, x in zip(NAMES, (-0.05, 0.05))
     ]

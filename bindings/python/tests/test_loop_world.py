@@ -34,9 +34,7 @@ def world(bodies: list[dict[str, Any]], contacts: list[dict[str, Any]], **change
                 "mass_kg": 0.25,
                 "position_m": [0.0, 0.0, 0.005],
                 "tool": {"sphere": {"radius_m": 0.01}},
-                "hand_stiffness_n_per_m": 200.0,
-                "hand_damping_n_s_per_m": 10.0,
-                "hand_rest_m": [0.0, 0.0, 0.005],
+                "hand": {"stiffness_n_per_m": 200.0, "damping_n_s_per_m": 10.0, "rest_m": [0.0, 0.0, 0.005]},
             }
         ],
         "bodies": bodies,

@@ -131,7 +131,7 @@ def test_a_body_is_put_elsewhere_and_others_stay() -> None:
         running.change(bodies=[FLOOR, there])
         heard.until("the change", after(1, 5))
         # The same tables again: the body continues its motion.
-        assert running.change(running.world, method="virtual-coupling", render=COUPLING) == 2
+        assert running.change(running.world, method="virtual-coupling", methods={"virtual-coupling": COUPLING}) == 2
         ticks = heard.until("the other method", after(2, 5))
     free = heard.of_body(1)
     assert [event.text[-len("virtual-coupling"):] for event in running.events() if event.kind == "parameters"][-1] == "virtual-coupling"

@@ -13,7 +13,7 @@ import palpate
 from conftest import ROOT
 
 FIG2 = "experiments/fig2.toml"
-STIFFNESS = palpate.Scene.read(ROOT / FIG2).to_dict()["object"]["stiffness_n_per_m"]
+STIFFNESS = palpate.Scene.read(ROOT / FIG2).to_dict()["contact"][0]["stiffness_n_per_m"]
 
 
 def spring(now: palpate.Situation) -> float:
@@ -28,7 +28,8 @@ def test_the_plain_spring_of_python_is_that_of_rust(root: Path) -> None:
     built_in, own = dict(run.method("basic")), dict(run.method("spring"))
     assert own.pop("method") == "spring" and built_in.pop("method") == "basic" and own == built_in
     mirrored = palpate.Scene.read(FIG2).replace(
-        object={"side": "negative", "position_m": -0.05, "force_n": 0.981}, hand={"force_n": -1.0}
+        body={"shape": {"half_space": {"normal": [1, 0, 0]}}, "position_m": [-0.05, 0, 0], "force_n": [0.981, 0, 0]},
+        device={"hand": {"force_n": [-1.0, 0, 0]}},
     )
     ticks = palpate.simulate(mirrored, method=["basic", spring]).ticks
     assert ticks["spring"].tobytes() == ticks["basic"].tobytes()

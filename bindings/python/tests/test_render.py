@@ -168,10 +168,10 @@ def test_a_period_in_milliseconds_is_questioned() -> None:
     with pytest.warns(UserWarning, match="period_s is 1 s"):
         palpate.Scene(
             "slow",
-            object={"mass_kg": 0.1, "stiffness_n_per_m": 0.4, "position_m": 0.01},
-            device={"kind": "point-mass", "mass_kg": 0.25},
-            hand={"kind": "constant-force", "force_n": 1.0},
             loop={"period_s": 1.0},
+            device={"name": "device", "axes": ["x"], "mass_kg": 0.25, "hand": {"force_n": [1.0, 0, 0]}},
+            body={"name": "wall", "fixed": True, "shape": {"half_space": {"normal": [-1, 0, 0]}}},
+            contact={"between": ["device", "wall"], "stiffness_n_per_m": 0.4},
             measure={"duration_s": 1.0},
         )
 

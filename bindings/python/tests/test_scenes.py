@@ -17,12 +17,24 @@ SCENES = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "experimen
 USERS = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "experiments/users").glob("*.toml"))
 
 
+DEVICE: dict[str, Any] = {"name": "device", "axes": ["x"], "mass_kg": 0.25, "hand": {"force_n": [np.float32(1.0), 0, 0]}}
+BLOCK: dict[str, Any] = {
+    "name": "block",
+    "axes": ["x"],
+    "mass_kg": 0.1,
+    "position_m": [0.01, 0, 0],
+    "force_n": [-0.981, 0, 0],
+    "shape": {"half_space": {"normal": [-1, 0, 0]}},
+}
+LAW: dict[str, Any] = {"between": ["device", "block"], "stiffness_n_per_m": 400}
+
+
 def light_block(**changes: Any) -> palpate.Scene:
     tables: dict[str, Any] = {
-        "object": {"mass_kg": 0.1, "stiffness_n_per_m": 400, "position_m": 0.01, "force_n": -0.981},
-        "device": {"kind": "point-mass", "mass_kg": 0.25},
-        "hand": {"kind": "constant-force", "force_n": np.float32(1.0)},
         "loop": {"period_s": 0.01},
+        "device": DEVICE,
+        "body": BLOCK,
+        "contact": LAW,
         "measure": {"duration_s": 1},
     }
     return palpate.Scene("A light block", **{**tables, **changes})
@@ -32,7 +44,7 @@ def light_block(**changes: Any) -> palpate.Scene:
 def test_a_scene_gives_the_numbers_of_the_program_to_the_last_bit(program: Any, root: Path, scene: str) -> None:
     own = palpate.Scene.read(Path(scene))
     # The reference solution of a linkage takes a second for each run and program, so run one method only.
-    method = own.method if own.to_dict()["device"]["kind"] == "pantograph" else "all"
+    method = own.method if "linkage" in own.to_dict()["device"][0] else "all"
     theirs = program.json("simulate", scene, "--method", method)
     assert palpate.simulate(scene, method=method) == theirs
 
@@ -69,16 +81,32 @@ def test_scenes_are_compared_as_by_the_program(program: Any, root: Path) -> None
 
 
 def test_a_scene_of_python_is_that_of_its_file(program: Any, tmp_path: Path) -> None:
-    scene = light_block(methods={"hfcr": {"damping_n_s_per_m": 0.5}}, renderer={"method": "hfcr", "unilateral": True})
+    scene = light_block(methods={"hfcr": {"damping_n_s_per_m": 0.5}}, render={"method": "hfcr", "unilateral": True})
     path = tmp_path / "scene.toml"
     path.write_text(scene.to_toml())
     ours = palpate.simulate(scene, method=["hfcr", "coupled"])
     assert ours == program.json("simulate", path, "--method", "hfcr,coupled")
     assert ours.unilateral is True and ours.method("hfcr").parameters.damping_n_s_per_m == 0.5
     assert scene.method == "hfcr" and palpate.Scene.read(path).to_dict() == scene.to_dict()
-    wall = scene.replace(object={"mass_kg": math.inf, "force_n": None}, loop={"period_s": 0.002})
-    assert wall.to_dict()["object"] == {"mass_kg": math.inf, "stiffness_n_per_m": 400, "position_m": 0.01}
+    wall = scene.replace(body={"fixed": True, "axes": None, "mass_kg": None, "force_n": None}, loop={"period_s": 0.002})
+    assert wall.to_dict()["body"] == [{"name": "block", "fixed": True, "position_m": [0.01, 0, 0], "shape": BLOCK["shape"]}]
     assert palpate.simulate(wall).object_mass_kg == "inf" and wall.title == scene.title
+
+
+def test_a_table_is_an_array_of_one_and_changes_by_key() -> None:
+    scene = light_block()
+    assert light_block(device=[DEVICE], body=(BLOCK,), contact=[LAW]) == scene
+    assert "[[device]]" in scene.to_toml() and scene.to_toml().startswith("format = 2\n")
+    stiffer = scene.replace(contact={"stiffness_n_per_m": 800.0}, device={"hand": {"release_s": 0.3}})
+    assert stiffer.to_dict()["contact"] == [{**LAW, "stiffness_n_per_m": 800.0}]
+    assert stiffer.to_dict()["device"][0]["hand"] == {"force_n": [1.0, 0, 0], "release_s": 0.3}
+    assert stiffer.replace(contact=[LAW], device=[DEVICE]) == scene
+    rubbed = scene.replace(device={"drivetrain": {"viscous_friction_n_s_per_m": 0.2}})
+    assert rubbed.to_dict()["device"][0]["drivetrain"] == {"viscous_friction_n_s_per_m": 0.2}
+    walls = [{"name": name, "fixed": True, "shape": BLOCK["shape"]} for name in ("block", "other")]
+    with pytest.raises(ValueError, match="^one contact along one axis is needed here, but the scene has 2 bodies$"):
+        scene.replace(body=walls)
+    assert scene.replace(body=walls[:1]).to_dict()["body"] == walls[:1]
 
 
 def test_what_a_scene_names_is_looked_for_in_its_folder(program: Any, root: Path) -> None:
@@ -94,19 +122,21 @@ def test_what_a_scene_names_is_looked_for_in_its_folder(program: Any, root: Path
 
 def test_every_fault_is_said_by_its_key() -> None:
     with pytest.raises(ValueError) as raised:
-        light_block(object={"mass_kg": -1, "stiffness_n_per_m": math.nan, "position_m": 0, "colour": "red"})
+        light_block(body={**BLOCK, "mass_kg": -1, "colour": "red"}, contact={**LAW, "stiffness_n_per_m": math.nan})
     said = str(raised.value).splitlines()
-    assert "object.mass_kg is -1 kg, but must be finite and greater than 0" in said
-    assert "object.stiffness_n_per_m is NaN N/m, but must be finite and greater than 0" in said
-    assert any(line.startswith("object.colour: unknown key colour") for line in said), said
-    with pytest.raises(ValueError, match="the key position_m is missing"):
-        light_block(object={"mass_kg": 1, "stiffness_n_per_m": 1})
-    with pytest.raises(TypeError, match=r"scene.object.mass_kg is <object object at .*>, but must be a number"):
-        light_block(object={"mass_kg": object()})
-    with pytest.raises(TypeError, match="scene.object: a key must be a text"):
-        light_block(object={1: 2})
+    assert "body.mass_kg is -1 kg, but must be finite and greater than 0" in said
+    assert "contact.stiffness_n_per_m is NaN N/m, but must be finite and greater than 0" in said
+    assert any(line.startswith("body[0].colour: unknown key colour") for line in said), said
+    with pytest.raises(ValueError, match=r"^device.hand.force_n is \[?1"):
+        light_block(device={**DEVICE, "hand": {"force_n": [1, 1, 0]}})
+    with pytest.raises(ValueError, match="the key shape is missing"):
+        light_block(body={"name": "block", "mass_kg": 1})
+    with pytest.raises(TypeError, match=r"scene.body.mass_kg is <object object at .*>, but must be a number"):
+        light_block(body={"mass_kg": object()})
+    with pytest.raises(TypeError, match="scene.body: a key must be a text"):
+        light_block(body={1: 2})
     with pytest.raises(TypeError, match="device"):
-        palpate.Scene("a", object={}, loop={}, measure={})  # type: ignore[call-arg]
+        palpate.Scene("a", loop={}, body={}, contact={})  # type: ignore[call-arg]
 
 
 def test_a_fault_of_a_file_has_its_place(tmp_path: Path) -> None:
@@ -127,9 +157,9 @@ def test_a_scene_that_cannot_be_run_says_why() -> None:
     with pytest.raises(ValueError, match="^the window has [0-9e]+ periods; at most 2000000 fit$"):
         palpate.simulate(light_block(measure={"duration_s": 1e9}))
     # The object flies away from the device and touches it at most once.
-    away = {"mass_kg": 0.1, "stiffness_n_per_m": 400, "position_m": 0.01, "velocity_m_per_s": -1.0}
+    away = {**BLOCK, "force_n": None, "velocity_m_per_s": [-1.0, 0, 0]}
     with pytest.raises(ValueError, match="requires 50 collisions, but the ideal has only"):
-        palpate.simulate(light_block(measure={"collisions": 50}, hand={"force_n": 0.0}, object=away))
+        palpate.simulate(light_block(measure={"collisions": 50}, device={**DEVICE, "hand": None}, body=away))
     with pytest.raises(ValueError, match='no method is called "hfc"'):
         palpate.simulate(light_block(), method="hfc")
 
@@ -153,8 +183,8 @@ def test_a_table_that_contains_itself_is_refused_by_its_place() -> None:
         deep = [deep]
     rows: list[Any] = []
     rows.append(rows)
-    for given, place in (({"object": itself}, "scene.object.x.x"), ({"object": {"mass_kg": deep}}, "scene.object.mass_kg")):
-        tables: dict[str, Any] = {"object": {}, "device": {}, "loop": {}, "measure": {}, **given}
+    for given, place in (({"body": itself}, "scene.body.x.x"), ({"body": {"mass_kg": deep}}, "scene.body.mass_kg")):
+        tables: dict[str, Any] = {"loop": {}, "device": {}, "body": {}, "contact": {}, **given}
         with pytest.raises(ValueError, match=f"{place} has tables or lists nested more than 32 deep"):
             palpate.Scene("itself", **tables)
     with pytest.raises(ValueError, match="more than 32 deep, for example one that contains itself"):
@@ -162,6 +192,22 @@ def test_a_table_that_contains_itself_is_refused_by_its_place() -> None:
     # Free each list before the next: freeing nested lists is recursive, too.
     while isinstance(deep, list):
         deep = deep.pop()
+
+
+def test_a_world_is_no_scene(root: Path) -> None:
+    world = "experiments/worlds/paddle.toml"
+    with pytest.raises(ValueError, match=f"^{world}.*one contact along one axis is needed here, but the device has 3 axes$"):
+        palpate.Scene.read(world)
+    with pytest.raises(ValueError, match="one contact along one axis is needed here"):
+        palpate.Scene.parse((ROOT / world).read_text())
+    with pytest.raises(ValueError, match="one contact along one axis is needed here"):
+        palpate.Bench(world)
+    # One friction coefficient decides which renderer a scene has.
+    scene = light_block().replace(body={"fixed": True, "axes": None, "mass_kg": None, "force_n": None})
+    rough = scene.to_dict()
+    rough["contact"] = [{**rough["contact"][0], "friction": 0.3, "friction_stiffness_n_per_m": 200.0}]
+    with pytest.raises(ValueError, match="needed here, but the contact has friction$"):
+        scene.replace(contact=rough["contact"])
 
 
 def test_a_file_that_is_missing_is_named(tmp_path: Path) -> None:

@@ -290,6 +290,7 @@ def test_files_of_meshes_are_looked_for_beside_the_file_of_the_world(tmp_path: P
     ):
         assert (same.step(outside) == 0).all()
     assert (palpate.World.parse(world.to_toml(), folder=elsewhere).replace(soft_start=0).step(outside) != 0).any()
+    assert isinstance(palpate.simulate(beside / "world.toml", "basic"), palpate.WorldRuns)
 
 
 def test_a_force_that_was_sent_is_finite() -> None:

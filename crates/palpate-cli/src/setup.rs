@@ -276,6 +276,7 @@ impl Flags {
         }
         if let Some(given) = quantum {
             *scene.device.encoder_quantum_mut() = given;
+            scene.model.sensor_quantum = None;
         }
         for &method in methods {
             let settings = scene.settings.entry(method).or_default();

@@ -13,9 +13,7 @@ use super::hand_key::{RawHand, recorded_rest};
 use super::linkage::Linkage;
 use super::parameter::SceneParameter as Of;
 use super::recover::Fault;
-use super::{
-    Grip, Hand, HandForceAt, Intention, PantographDevice, PointMassDevice, SceneDevice, Wave,
-};
+use super::{Grip, Hand, Intention, PantographDevice, PointMassDevice, SceneDevice, Wave};
 use crate::method::nearest;
 use crate::world::per_axis::DeviceAxes;
 
@@ -206,7 +204,7 @@ impl Reading<'_> {
             position,
             encoder_quantum: 0.0,
             force,
-            force_at: force_at.unwrap_or(HandForceAt::default()),
+            force_at: force_at.unwrap_or_default(),
         })
     }
 

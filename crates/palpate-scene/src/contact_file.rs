@@ -3,7 +3,6 @@
 use std::collections::{HashMap, HashSet};
 use std::io;
 use std::ops;
-use std::path::Path;
 
 use palpate_core::{Allowed, Contact, MethodParams as _, Parameter, Range};
 use palpate_world::{Vector, out_of_range};
@@ -19,7 +18,7 @@ use super::parameter::SceneParameter::{self, self as Of};
 use super::raw::{RawBody, RawContact, RawMeasure, RawScene};
 use super::raw_settings::{MethodPlaces, RawSettings};
 use super::recover::Fault;
-use super::scene_file::{self, SceneFile};
+use super::scene_file::Tables;
 use super::timing::Timing;
 use super::{Measure, Scene, SetupError};
 use crate::method::{MethodName, Setting, Settings, SettingsError, UnknownMethod, method_named};
@@ -64,10 +63,15 @@ impl ContactFile {
     /// All errors in the scene file and, with that file's name, the first in the device file; each with its line, its
     /// column and the allowed values. A scene with more than one contact along one axis.
     pub fn parse_with(name: &str, source: &str, files: Files<'_>) -> Result<Self, SceneErrors> {
-        let folder = Path::new(name).parent().unwrap_or(Path::new(""));
-        match scene_file::read(name, source, folder, files)? {
-            SceneFile::Contact(file) => Ok(*file),
-            SceneFile::World(file) => Err(file.not_one_contact()),
+        let tables = Tables::read(name, source)?;
+        match tables.raw.one_contact() {
+            Ok(axis) => {
+                let left = (tables.faults, tables.damaged);
+                Self::read((name, source), tables.raw, axis, left, files)
+            }
+            Err(why) => Err(tables
+                .errors(name, source)
+                .unwrap_or_else(|| why.needed(name, source))),
         }
     }
 

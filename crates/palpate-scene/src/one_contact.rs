@@ -2,7 +2,7 @@
 
 use palpate_world::{IDENTITY, Party, Quaternion, Vector};
 
-use crate::fault::Span;
+use crate::fault::{SceneError, SceneErrors, Span};
 use crate::raw::{RawBody, RawContact, RawScene};
 use crate::world::per_axis::DeviceAxes;
 use crate::world::shape::{RawShape, unit};
@@ -36,7 +36,7 @@ fn dot(a: Vector, b: Vector) -> f64 {
 }
 
 /// Reason why a scene has more than one contact along one axis.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct NotOneContact {
     /// What it is.
     pub reason: String,
@@ -50,6 +50,15 @@ impl NotOneContact {
             reason: reason.into(),
             span,
         }
+    }
+}
+
+impl NotOneContact {
+    /// Returns the error where one contact along one axis is needed.
+    pub fn needed(&self, name: &str, source: &str) -> SceneErrors {
+        let reason = &self.reason;
+        let message = format!("one contact along one axis is needed here, but {reason}");
+        SceneError::at(name, source, self.span.clone(), message).into()
     }
 }
 

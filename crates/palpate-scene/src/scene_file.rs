@@ -81,15 +81,17 @@ struct RawVersion {
 }
 
 impl Tables {
+    /// Returns the errors of keys and types; `None` if there are none.
+    pub fn errors(self, name: &str, source: &str) -> Option<SceneErrors> {
+        errors(name, source, self.faults)
+    }
+
     /// Reads the tables of the text of a file called `name`.
     ///
     /// # Errors
     /// All faults of keys and types, if the remaining keys are insufficient.
     pub fn read(name: &str, source: &str) -> Result<Self, SceneErrors> {
-        let errors = |faults: Vec<Fault>| {
-            let at = |(span, message)| SceneError::at(name, source, span, message);
-            SceneErrors::new(faults.into_iter().map(at).collect())
-        };
+        let errors = |faults: Vec<Fault>| errors(name, source, faults);
         if let Some(fault) = other_version(source) {
             return Err(errors(vec![fault]).unwrap_or_else(|| unreachable!("there is one fault")));
         }
@@ -110,6 +112,12 @@ impl Tables {
             },
         }
     }
+}
+
+/// Returns the errors at these faults; `None` if there are none.
+fn errors(name: &str, source: &str, faults: Vec<Fault>) -> Option<SceneErrors> {
+    let at = |(span, message)| SceneError::at(name, source, span, message);
+    SceneErrors::new(faults.into_iter().map(at).collect())
 }
 
 /// Returns the fault of a file that has another version.

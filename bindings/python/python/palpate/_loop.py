@@ -374,7 +374,7 @@ class Loop(Fixed, _palpate.Loop):
             if name in changes:
                 raise ValueError(f"{name} is a limit of the loop and cannot change while it runs; make another Loop")
         if changes:
-            known = ("title", "loop", "devices", "bodies", "contacts", "joints", "render", "model", "measure", "method")
+            known = ("title", "loop", "devices", "bodies", "contacts", "joints", "render", "model", "methods", "measure", "method")
             for name in changes:
                 if name not in known:
                     raise TypeError(f"a world has no table {name}; the tables are {', '.join(known)}")
@@ -485,11 +485,11 @@ _SHARED = tuple(
 
 
 def _scene(device: Device, renderer: Renderer) -> str | None:
-    """Returns the scene text for a recording of this loop; `None` if the mass of the device is unknown."""
+    """Returns the scene text for a recording of this loop, along x; `None` if the mass of the device is unknown."""
     method, given, _, settings = _split(renderer.parameters)
     table = device._in_scene()
     if table is None and given["device_mass"] is not None:
-        table = {"kind": "point-mass", "mass_kg": given["device_mass"]}
+        table = {"name": "device", "axes": ["x"], "mass_kg": given["device_mass"]}
     if table is None:
         return None
     period = given["period"]
@@ -498,20 +498,29 @@ def _scene(device: Device, renderer: Renderer) -> str | None:
         guard = {"mode": given["guard"], "speed_m_per_s": given["guard_speed"], "allowance_j": given["guard_allowance"]}
     limit = given["force_limit"]
     keys = {setting.name: setting.key for setting in METHODS[method].settings}
+    is_wall = given["mass"] == float("inf")
+    sign = 1.0 if given["side"] == "negative" else -1.0
+    body: dict[str, Any] = {
+        "name": "wall" if is_wall else "object",
+        "position_m": [given["object_position"], 0.0, 0.0],
+        "shape": {"half_space": {"normal": [sign, 0.0, 0.0]}},
+    }
+    if is_wall:
+        body["fixed"] = True
+    else:
+        body["axes"] = ["x"]
+        body["mass_kg"] = given["mass"]
+        body["velocity_m_per_s"] = [given["object_velocity"], 0.0, 0.0]
+        body["force_n"] = [given["force"], 0.0, 0.0]
     tables: dict[str, Any] = {
-        "scene_format": 1,
+        "format": 2,
         "title": "a loop of Python",
-        "object": {
-            "mass_kg": given["mass"],
-            "stiffness_n_per_m": given["stiffness"],
-            "position_m": given["object_position"],
-            "velocity_m_per_s": given["object_velocity"],
-            "force_n": given["force"],
-            "side": given["side"],
-        },
-        "device": table,
         "loop": {"period_s": period},
+        "device": [table],
+        "body": [body],
+        "contact": [{"between": ["device", body["name"]], "stiffness_n_per_m": given["stiffness"]}],
         "model": {
+            "device_mass_kg": given["device_mass"],
             "delay_s": given["delay"],
             "lag_s": given["lag"],
             "gain": given["gain"],
@@ -520,9 +529,8 @@ def _scene(device: Device, renderer: Renderer) -> str | None:
             "gain_deviation": given["gain_deviation"],
         },
         "measure": {"duration_s": 1.0},
-        "renderer": {
+        "render": {
             "method": method,
-            "device_mass_kg": given["device_mass"],
             "unilateral": given["unilateral"],
             "force_limit_n": None if limit == float("inf") else limit,
             "slew_limit_n_per_s": given["slew_limit"],

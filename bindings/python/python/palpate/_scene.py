@@ -19,61 +19,71 @@ Tables = Mapping[str, Any]
 
 
 class Scene(Fixed, _palpate.Scene):
-    """Closed loop to simulate: an object, a device, a hand, a loop and a renderer.
+    """Closed loop to simulate: a device in a hand, and its contact with one body along one axis.
 
     Each argument is a table of a scene file, as a dictionary. Keys, units, ranges and defaults are those of the file
-    (`docs/formats.md` in palpate's repository lists them). Values of `None` are omitted. `Scene.read` reads a file.
+    (`docs/formats.md` in palpate's repository lists them). Tables within tables are dictionaries, too: `hand` and
+    `drivetrain` of the device. Values of `None` are omitted. `Scene.read` reads a file. A scene with more than one contact
+    along one axis is a `palpate.World`.
 
         palpate.Scene(
             "A light block",
-            object={"mass_kg": 0.1, "stiffness_n_per_m": 400.0, "position_m": 0.01, "force_n": -0.981},
-            device={"kind": "point-mass", "mass_kg": 0.25},
-            hand={"kind": "constant-force", "force_n": 1.0},
             loop={"period_s": 0.01},
+            device={"name": "device", "axes": ["x"], "mass_kg": 0.25, "hand": {"force_n": [1.0, 0, 0]}},
+            body={
+                "name": "block",
+                "axes": ["x"],
+                "mass_kg": 0.1,
+                "position_m": [0.01, 0, 0],
+                "force_n": [-0.981, 0, 0],
+                "shape": {"half_space": {"normal": [-1, 0, 0]}},
+            },
+            contact={"between": ["device", "block"], "stiffness_n_per_m": 400.0},
             measure={"duration_s": 1.0},
         )
 
     Args:
         title: Title for tables and figures, one line.
-        object: The object and its contact.
-        device: The device.
         loop: The loop.
-        measure: The evaluation window.
-        hand: The hand.
-        model: Model values of the actuator that override the true values for the renderer.
-        renderer: The default method and the force limits.
+        device: The device, or a sequence of one device.
+        body: The body, or a sequence of one body.
+        contact: The contact law, or a sequence of one law.
+        measure: The evaluation window. `None`: 0.5 s.
+        model: Model values that override the true values for the renderer.
+        render: The default method, the limits and the guard.
         methods: Settings of methods, by method name.
         folder: Folder of the files that the scene names.
 
     Raises:
-        ValueError: Values are not allowed; one line for each, with its key.
+        ValueError: Values are not allowed, with a line for each and its key; or the scene has more than one contact along
+            one axis.
     """
 
     def __new__(
         cls,
         title: str,
         *,
-        object: Tables,
-        device: Tables,
         loop: Tables,
-        measure: Tables,
-        hand: Tables | None = None,
+        device: Tables | Sequence[Tables],
+        body: Tables | Sequence[Tables],
+        contact: Tables | Sequence[Tables],
+        measure: Tables | None = None,
         model: Tables | None = None,
-        renderer: Tables | None = None,
+        render: Tables | None = None,
         methods: Mapping[str, Tables] | None = None,
         folder: str | os.PathLike[str] = "",
     ) -> Scene:
         tables = {
-            "scene_format": 1,
+            "format": 2,
             "title": title,
-            "object": object,
-            "device": device,
-            "hand": hand,
             "loop": loop,
+            "device": _several(device),
+            "body": _several(body),
+            "contact": _several(contact),
             "model": model,
-            "measure": measure,
-            "renderer": renderer,
+            "render": render,
             "methods": methods,
+            "measure": measure,
         }
         return cls._of(_palpate.to_toml(tables), None, folder)
 
@@ -85,7 +95,12 @@ class Scene(Fixed, _palpate.Scene):
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Scene:
-        """Reads a scene file. Messages have the file, the line and the column."""
+        """Reads a scene file. Messages have the file, the line and the column.
+
+        Raises:
+            ValueError: The scene is not valid, or has more than one contact along one axis.
+            OSError: The file cannot be read.
+        """
         return cls._of(*_palpate.read_scene(path))
 
     @classmethod
@@ -93,10 +108,13 @@ class Scene(Fixed, _palpate.Scene):
         """Parses the text of a scene file."""
         return cls._of(text, "scene", folder)
 
-    def replace(self, title: str | None = None, **tables: Tables) -> Scene:
+    def replace(self, title: str | None = None, **tables: Tables | Sequence[Tables]) -> Scene:
         """Returns a copy with the given keys of the given tables replaced; `None` removes a key.
 
-            scene.replace(object={"mass_kg": 0.05}, loop={"period_s": 0.002})
+            scene.replace(body={"mass_kg": 0.05}, loop={"period_s": 0.002})
+
+        Keys of tables within a table are replaced one by one, too. A sequence of tables replaces the device, body or
+        contact as a whole.
         """
         text, _, folder = self.parts()
         changed = _merged(_palpate.from_toml(text), tables)
@@ -125,14 +143,38 @@ class Scene(Fixed, _palpate.Scene):
         return f"<palpate.Scene {self.title!r}>"
 
 
+_ARRAYS = ("device", "body", "contact", "joint")
+"""Arrays of tables of a scene file."""
+
+
+def _several(given: Tables | Sequence[Tables]) -> Any:
+    """Returns an array of tables; a single table is an array of one."""
+    if isinstance(given, Mapping):
+        return [given]
+    # Other values are refused by their place.
+    return list(given) if isinstance(given, Sequence) and not isinstance(given, str) else given
+
+
 def _merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the tables of a scene with the keys of `changes` replaced."""
     merged = dict(tables)
     for key, value in changes.items():
         before = merged.get(key)
-        if isinstance(value, Mapping):
-            value = _merged(before if isinstance(before, Mapping) else {}, value)
-        merged[key] = value
+        if key not in _ARRAYS:
+            merged[key] = _replaced(before, value)
+        elif isinstance(value, Mapping) and isinstance(before, list) and len(before) == 1:
+            merged[key] = [_replaced(before[0], value)]
+        else:
+            merged[key] = _several(value)
     return merged
+
+
+def _replaced(before: Any, value: Any) -> Any:
+    """Returns `value`; of a table, `before` with the keys of `value` replaced."""
+    if not isinstance(value, Mapping):
+        return value
+    kept = dict(before) if isinstance(before, Mapping) else {}
+    return {**kept, **{key: _replaced(kept.get(key), one) for key, one in value.items()}}
 
 
 SceneLike = Union[Scene, str, "os.PathLike[str]"]
@@ -155,8 +197,8 @@ def simulate(
     """Simulates a scene or a world in closed loop and evaluates each method, as `palpate simulate` does.
 
     Args:
-        scene: A scene, a world, or the path of a scene file of either kind. A world is simulated from its initial
-            state; the hands of its tables move its devices.
+        scene: A scene, a world, or the path of a scene file. A file with one contact along one axis is a `Scene`, and
+            any other is a `World`. A world is simulated from its initial state; the hands of its tables move its devices.
         method: Name of a method, of `palpate.METHODS`, several names, or `"all"`. `None`: that of the scene.
             A function is a user-defined method with the function's name. At each sample in contact it gets a
             `palpate.Situation` and returns the force on the object [N] to hold until the next sample. The object moves
@@ -175,7 +217,7 @@ def simulate(
 
     if isinstance(scene, (str, os.PathLike)):
         text, name, folder = _palpate.read_scene(scene)
-        scene = World(scene) if _palpate.is_world(text) else Scene._of(text, name, folder)
+        scene = World(scene) if _palpate.is_world(text, folder) else Scene._of(text, name, folder)
     if isinstance(scene, World):
         return WorldRuns._of_worlds(_palpate.simulate_world(scene, method))
     made = _palpate.simulate(scene, method)

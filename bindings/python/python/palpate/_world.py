@@ -33,8 +33,8 @@ class World(Fixed, _palpate.World):
         world = palpate.World("experiments/worlds/paddle.toml")
         force = world.step([0.0, 0.0, 0.001])
 
-    The world comes from a file of format 2, or from tables with the keys and units of such a file (`docs/worlds.md` in
-    palpate's repository lists them):
+    The world comes from a scene file, or from tables with the keys and units of such a file (`docs/worlds.md` in palpate's
+    repository lists them):
 
         world = palpate.World(
             loop={"period_s": 0.001},
@@ -49,15 +49,16 @@ class World(Fixed, _palpate.World):
     `force_limit=math.inf, soft_start=0` disables these limits.
 
     Args:
-        path: Path of a world file. `None`: the world is in the tables.
+        path: Path of a scene file. `None`: the world is in the tables.
         title: Title for tables and figures, one line.
         loop: The loop, with `period_s`.
-        devices: A table for each device, with its tool.
+        devices: A table for each device, with its tool and its hand.
         bodies: A table for each body.
         contacts: A table for each contact law.
         joints: A table for each joint.
-        render: The default method, its settings, and the model values of the device masses.
-        model: Model values of delay, lag and gain.
+        render: The default method, the limits and the guard.
+        model: Model values of delay, lag, gain, and of masses and inertias of the devices.
+        methods: Settings of methods, by method name.
         measure: The evaluation window of `palpate.simulate`.
         method: Name of a method for worlds. `None`: that of the file, else `coupled`.
         force_limit: Largest magnitude of the force on each device [N]; `math.inf`: no limit. `None`: that of the file,
@@ -83,6 +84,7 @@ class World(Fixed, _palpate.World):
         joints: Sequence[Tables] | None = None,
         render: Tables | None = None,
         model: Tables | None = None,
+        methods: Mapping[str, Tables] | None = None,
         measure: Tables | None = None,
         method: str | None = None,
         force_limit: float | None = None,
@@ -98,6 +100,7 @@ class World(Fixed, _palpate.World):
             "joint": joints,
             "render": render,
             "model": model,
+            "methods": methods,
             "measure": measure,
         }
         made_by = {
@@ -268,7 +271,8 @@ class World(Fixed, _palpate.World):
         **tables: Any,
     ) -> World:
         """Returns a new world in its initial state with other values, another method or other limits. `loop`, `render`,
-        `model` and `measure` are replaced by key; `title`, `devices`, `bodies`, `contacts` and `joints` as a whole.
+        `model`, `methods` and `measure` are replaced by key; `title`, `devices`, `bodies`, `contacts` and `joints` as a
+        whole.
 
             world.replace(loop={"period_s": 0.004}, method="basic")
         """

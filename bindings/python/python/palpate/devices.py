@@ -19,6 +19,7 @@ The constructor of a loop opens its devices.
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from typing import TYPE_CHECKING, Any, Sequence
@@ -57,7 +58,7 @@ class Device:
         raise TypeError("Device is abstract: use Pointer, PointerInWorld, Simulated, TwoDiy or Inverse3")
 
     def _in_scene(self) -> dict[str, Any] | None:
-        """Returns the device as a table of a scene; None if its mass is unknown."""
+        """Returns the device as a table of a scene, without its hand and along x; None if its mass is unknown."""
         return None
 
 
@@ -120,12 +121,15 @@ class Pointer(Device):
     def _in_scene(self) -> dict[str, Any]:
         values = self._values
         return {
-            "kind": "point-mass",
+            "name": "device",
+            "axes": ["x"],
             "mass_kg": values["mass"],
-            "position_m": values["position"],
-            "viscous_n_s_per_m": values["viscous_friction"],
-            "encoder_quantum_m": values["encoder_quantum"],
-            "motor_limit_n": values["largest_force"],
+            "position_m": [values["position"], 0.0, 0.0],
+            "quantum_m": values["encoder_quantum"],
+            "drivetrain": {
+                "viscous_friction_n_s_per_m": values["viscous_friction"],
+                "motor_limit_n": values["largest_force"],
+            },
         }
 
 
@@ -211,7 +215,7 @@ class Simulated(Device):
     """Device and hand of a scene or of a world, in real time. Its contacts and its loop are not used.
 
     Args:
-        scene: A `palpate.Scene`, the path of a scene file, or a `palpate.World`. In a world with several devices, the
+        scene: A `palpate.Scene`, the path of a file of one, or a `palpate.World`. In a world with several devices, the
             loop assigns the name of the device.
     """
 
@@ -224,8 +228,17 @@ class Simulated(Device):
         return {"kind": "simulated", "scene": self._scene}
 
     def _in_scene(self) -> dict[str, Any] | None:
-        table = self._scene.to_dict()["device"]
-        return table if isinstance(self._scene, Scene) and table["kind"] == "point-mass" else None
+        if not isinstance(self._scene, Scene):
+            return None
+        [table] = self._scene.to_dict()["device"]
+        if "linkage" in table:
+            return None
+        [axis] = table["axes"]
+        made = {key: table[key] for key in ("mass_kg", "quantum_m", "noise_m", "drivetrain") if key in table}
+        for key in ("position_m", "velocity_m_per_s"):
+            if key in table:
+                made[key] = [_along(axis, table[key]), 0.0, 0.0]
+        return {"name": "device", "axes": ["x"], **made}
 
 
 class TwoDiy(Device):
@@ -310,6 +323,13 @@ class Inverse3(Device):
 
     def _given(self) -> dict[str, Any]:
         return {"kind": "inverse3", **self._values}
+
+
+def _along(axis: str | Sequence[float], vector: Sequence[float]) -> float:
+    """Returns the component of a vector along an axis of a scene: the name of an axis of the world, or a direction."""
+    if isinstance(axis, str):
+        return float(vector["xyz".index(axis)])
+    return sum(a * b for a, b in zip(axis, vector)) / math.hypot(*axis)
 
 
 # Load only the compiled part: importing NumPy takes longer than the watchdog process may take to start.

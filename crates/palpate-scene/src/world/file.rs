@@ -20,6 +20,7 @@ use super::{WorldActuator, WorldRender, WorldScene, WorldTiming};
 use crate::delay::Delay;
 use crate::fault::{Places, SceneError, SceneErrors, Span};
 use crate::model::RawModel;
+use crate::one_contact::NotOneContact;
 use crate::parameter::SceneParameter;
 use crate::period_question;
 use crate::raw::{RawBody, RawScene};
@@ -39,7 +40,7 @@ pub struct WorldFile {
     places: WorldPlaces,
     notes: Vec<String>,
     /// Why it is not one contact along one axis, unless it is.
-    not_one_contact: Option<(Span, String)>,
+    not_one_contact: Option<NotOneContact>,
 }
 
 impl WorldFile {
@@ -86,7 +87,7 @@ impl WorldFile {
                 source: source.into(),
                 places: reading.places,
                 notes: reading.notes,
-                not_one_contact: why.map(|why| (why.span, why.reason)),
+                not_one_contact: why,
             }),
             Some(errors) => Err(errors),
         }
@@ -95,9 +96,12 @@ impl WorldFile {
     /// Returns the error where one contact along one axis is needed.
     #[must_use]
     pub fn not_one_contact(&self) -> SceneErrors {
-        let (span, reason) = self.not_one_contact.clone().unwrap_or_default();
-        let message = format!("one contact along one axis is needed here, but {reason}");
-        SceneErrors::from(SceneError::at(&self.name, &self.source, span, message))
+        let why = self.not_one_contact.clone();
+        let why = why.unwrap_or_else(|| NotOneContact {
+            reason: "it is read as a world".into(),
+            span: 0..0,
+        });
+        why.needed(&self.name, &self.source)
     }
 
     /// Returns one line for each mesh that was read from a file: its size and its omitted parts. Further lines report a

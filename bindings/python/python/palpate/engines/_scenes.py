@@ -93,11 +93,13 @@ def scenes(period: float, stiffness: float) -> list[Scene]:
                     "name": "tool",
                     "mass_kg": DEVICE_MASS,
                     "position_m": start,
-                    "hand_force_n": hand,
-                    "hand_stiffness_n_per_m": HAND[0],
-                    "hand_damping_n_s_per_m": HAND[1],
-                    "hand_rest_m": rest,
                     "tool": {"sphere": {"radius_m": radius}},
+                    "hand": {
+                        "force_n": hand,
+                        "stiffness_n_per_m": HAND[0],
+                        "damping_n_s_per_m": HAND[1],
+                        "rest_m": rest,
+                    },
                 }
             ],
             bodies=bodies,
