@@ -523,7 +523,7 @@ impl Reading<'_> {
     }
 }
 
-/// Returns the message for a name that is no method of one contact.
+/// Returns the error message for a name of a method that cannot render one contact.
 fn not_of_one_contact(name: &str, error: &UnknownMethod) -> String {
     if WorldScene::METHODS.contains(&name) {
         return format!(

@@ -153,7 +153,7 @@ pub fn in_plain_words(message: &str) -> String {
     unknown_key(unknown, &known)
 }
 
-/// Returns the message for a key that is none of `known`.
+/// Returns the error message for a key outside `known`.
 pub(crate) fn unknown_key(unknown: &str, known: &[&str]) -> String {
     let all = known.join(", ");
     match nearest(unknown, known) {

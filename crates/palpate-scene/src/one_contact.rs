@@ -38,9 +38,9 @@ fn dot(a: Vector, b: Vector) -> f64 {
 /// Reason why a scene has more than one contact along one axis.
 #[derive(Clone, Debug)]
 pub(crate) struct NotOneContact {
-    /// What it is.
+    /// The property of the scene that the closed form lacks.
     pub reason: String,
-    /// Span of what it is.
+    /// Span of that property.
     pub span: Span,
 }
 

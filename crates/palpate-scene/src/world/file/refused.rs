@@ -10,8 +10,9 @@ use crate::raw::RawScene;
 use crate::timing::RawLoop;
 
 impl Reading {
-    /// Rejects keys that are simulated for one contact along one axis only. `why` says why the scene is none; `None`:
-    /// it is one, and is read as a world all the same. In a file with other faults, the reason may be one of these.
+    /// Rejects keys that only the closed form honours. `why` is the reason why the closed form does not render the
+    /// scene; `None` if it does, and the caller asked for a world. Reports nothing in a file with other faults, because
+    /// the reason may be one of these.
     pub fn refuse(&mut self, raw: &RawScene, why: Option<&NotOneContact>) {
         if !self.damaged.is_empty() {
             return;

@@ -121,7 +121,7 @@ impl Reading {
                 Some(method) => {
                     settings.insert(method, self.settings_of(method, given));
                 }
-                // A fault elsewhere may be why this is no scene of one contact.
+                // Without the other faults, the closed form might render the scene.
                 None if method_named(name.get_ref()).is_ok() && !self.damaged.is_empty() => {}
                 None => self.fault(name.span(), not_of_worlds(name.get_ref())),
             }
@@ -251,7 +251,7 @@ const SETTINGS: [WorldSetting; 6] = [
     },
 ];
 
-/// Returns the message for a name that is no method of worlds.
+/// Returns the error message for a name of a method that cannot render worlds.
 fn not_of_worlds(name: &str) -> String {
     if method_named(name).is_ok() {
         return format!("{name} renders one contact along one axis; this scene is a world");
