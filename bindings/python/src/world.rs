@@ -20,13 +20,10 @@ use crate::renderer::safety_params;
 use crate::scene::messages;
 
 /// Whether the world renderer renders the scene of a text, rather than the closed form of one contact along one axis.
-/// Mesh files are searched in `folder`. `False` too for a text with errors.
+/// `False` too for a text without the tables of a scene.
 #[pyfunction]
-pub fn is_world(text: &str, folder: PathBuf) -> bool {
-    // Files are searched in the folder of this path.
-    let name = folder.join("scene");
-    SceneFile::parse(&name.to_string_lossy(), text)
-        .is_ok_and(|file| matches!(file, SceneFile::World(_)))
+pub fn is_world(text: &str) -> bool {
+    SceneFile::is_world(text)
 }
 
 /// A checked world, its renderer and its state.

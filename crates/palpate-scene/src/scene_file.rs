@@ -39,6 +39,13 @@ impl SceneFile {
         let folder = path.parent().unwrap_or(Path::new(""));
         read(name, source, folder, &mut beside(path))
     }
+
+    /// Returns whether the world renderer renders the scene of a text, valid values or not. `false` for a text whose
+    /// tables cannot be read.
+    #[must_use]
+    pub fn is_world(source: &str) -> bool {
+        Tables::read("", source).is_ok_and(|tables| tables.raw.one_contact().is_err())
+    }
 }
 
 /// Reads a scene. Mesh files are read from `folder`; `files` returns the text of other files by their names.

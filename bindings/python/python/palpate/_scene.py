@@ -217,7 +217,7 @@ def simulate(
 
     if isinstance(scene, (str, os.PathLike)):
         text, name, folder = _palpate.read_scene(scene)
-        scene = World(scene) if _palpate.is_world(text, folder) else Scene._of(text, name, folder)
+        scene = World(scene) if _palpate.is_world(text) else Scene._of(text, name, folder)
     if isinstance(scene, World):
         return WorldRuns._of_worlds(_palpate.simulate_world(scene, method))
     made = _palpate.simulate(scene, method)
