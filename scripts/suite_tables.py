@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Computes the tables of docs/suite.md for the sets with real actuators.
+"""Computes the tables of docs/results/suite.md for the sets with real actuators.
 
     cargo build --release && python3 scripts/suite_tables.py [--plants 200] [--seed 1] [--seeds 7] [--sets desk,real]
 

@@ -120,7 +120,7 @@ fn objects() -> impl Iterator<Item = (f64, Stays)> {
     let mut all = Vec::new();
     for kc in [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 15.0] {
         for share in [0.1, 0.3, 1.0] {
-            // An object as heavy as the device settles and restarts repeatedly: docs/coupled.md.
+            // An object as heavy as the device settles and restarts repeatedly: docs/results/coupled.md.
             if kc > 10.0 && share >= 1.0 {
                 continue;
             }
@@ -163,7 +163,7 @@ fn what_a_hand_damps_comes_to_rest_however_light_the_object() {
     println!("worst deviation {worst:.3} of the force");
 }
 
-/// The table of docs/coupled.md.
+/// A table of docs/results/coupled.md.
 #[test]
 fn how_light_an_object_may_be_to_come_to_rest() {
     let period = 0.01;

@@ -217,7 +217,7 @@ fn a_spring_without_a_damper_is_driven_and_one_with_a_damper_is_not() {
     }
 }
 
-/// The table of docs/coupled.md.
+/// A table of docs/results/coupled.md.
 #[test]
 fn how_stiff_a_wall_may_be_that_rests_with_half_a_period_of_delay() {
     for (hand, rests) in [

@@ -1,7 +1,7 @@
 //! Contact stiffness limit of a device with a flexible transmission.
 //!
 //! The renderer models one mass. The rendered contact has to be slower than the transmission, and slower still if a
-//! period of the resonance has few samples. `docs/coupled.md` has the measurement.
+//! period of the resonance has few samples. `docs/results/coupled.md` has the measurement.
 
 use std::f64::consts::TAU;
 

@@ -258,7 +258,7 @@ fn own_calibration_keeps_coupled_within_limits_and_below_best_damper() {
         .count();
     println!("the best damper is beaten on {beaten} of {count}");
     let [median, _, ninety, _] = summary(&evaluated, 0, 1).unwrap().error;
-    // Few plants; docs/suite.md has results for more.
+    // Few plants; docs/results/suite.md has results for more.
     assert!(median < 6.0 && ninety < 45.0, "{median} {ninety}");
     assert!(beaten * 20 >= count * 17);
 }

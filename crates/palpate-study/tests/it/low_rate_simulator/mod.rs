@@ -82,7 +82,7 @@ fn forces_by_a_local_model_are_near_the_ideal_at_every_rate_of_the_host() {
             let [tick, with_model] = all.times;
             println!(" | a tick {tick:.1} us, with a model {with_model:.1} us");
             let name = format!("{} every {every}", bench.scene.name);
-            // Of the ball that is juggled at 20 Hz the table in docs/engines.md says why.
+            // Of the ball that is juggled at 20 Hz docs/local-model.md gives the reason.
             let allowed = match (bench.scene.name, every) {
                 ("ball", 50) => 50.0,
                 ("cube pushed", 50) => 5.0,
