@@ -1,7 +1,7 @@
 // Why a lane has no force, as its banner says it.
 
 /**
- * @param {{method: string, trip: string | null, safety_stop_method?: string | null}} lane of the state
+ * @param {{method: string, safety_stop: string | null, safety_stop_method?: string | null}} lane of the state
  * @param {number} number of the lane, from 1
  * @returns {string | null} null where nothing keeps the force away
  */

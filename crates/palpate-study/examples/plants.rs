@@ -1,4 +1,4 @@
-//! Generates the table of `docs/calibration.md`: calibration results of random virtual devices against their true
+//! Generates the table of `docs/results/devices.md`: calibration results of random virtual devices against their true
 //! parameters.
 //!
 //! `cargo run --release -p palpate-study --example plants [-- COUNT [ROW]]`

@@ -1,7 +1,7 @@
 //! Many clients at 4 kHz, one of which has stopped reading, with a recording: nothing is lost.
 //!
 //! Three seconds here; `PALPATE_LOAD_SECONDS=60 cargo test --release -p palpate-live --test it load:: --
-//! --nocapture` is what docs/live-view.md quotes.
+//! --nocapture` measures the numbers of docs/results/interfaces.md.
 
 #![allow(clippy::print_stdout)] // it says what it measured
 
