@@ -424,7 +424,7 @@ fn a_file_of_another_version_is_refused_for_that_and_not_for_its_new_keys() {
 fn a_radius_and_a_hand_in_the_motors_have_their_limits() {
     assert_faults(
         r#"force_n = [-0.981, 0.0, 0.0] -> force_n = [-0.981, 0.0, 0.0]\ncentre_m = [-0.01, 0.0, 0.0]
-  26:12: body.centre_m is -0.01 m, but must be finite and not below 0
+  26:12: body.centre_m must point into the solid, against the normal of the half_space
   [-0.01, 0.0, 0.0]
 force_n = [1.0, 0.0, 0.0]\n -> force_n = [1.0, 0.0, 0.0]\nforce_at = "motors"\n
   18:12: device.hand.force_at is for a device with a linkage
