@@ -123,7 +123,7 @@ fn a_fault_in_a_scene_is_said_with_its_line() {
     let Err(error) = Playground::open(&LIVE.replace("mass_kg = 0.1", "mass_kg = -1")) else {
         panic!("a mass below 0 was taken");
     };
-    assert!(error.starts_with("scene:8:"), "{error}");
+    assert!(error.starts_with("scene:21:"), "{error}");
     assert!(error.contains("mass_kg"), "{error}");
 }
 

@@ -186,10 +186,10 @@ fn read(file: &toml::Table) -> (WorldScene, f64, f64) {
             tool: Tool::sphere(number(&device["tool"]["sphere"]["radius_m"])),
             turning: None,
             hand: WorldHand {
-                force: vector(&device["hand_force_n"]),
-                stiffness: number(&device["hand_stiffness_n_per_m"]),
-                damping: number(&device["hand_damping_n_s_per_m"]),
-                rest: vector(&device["hand_rest_m"]),
+                force: vector(&device["hand"]["force_n"]),
+                stiffness: number(&device["hand"]["stiffness_n_per_m"]),
+                damping: number(&device["hand"]["damping_n_s_per_m"]),
+                rest: vector(&device["hand"]["rest_m"]),
                 ..WorldHand::default()
             },
             quantum: [number(&device["quantum_m"]); 3],
