@@ -65,10 +65,7 @@ impl ContactFile {
     pub fn parse_with(name: &str, source: &str, files: Files<'_>) -> Result<Self, SceneErrors> {
         let tables = Tables::read(name, source)?;
         match tables.raw.one_contact() {
-            Ok(axis) => {
-                let left = (tables.faults, tables.damaged);
-                Self::read((name, source), tables.raw, axis, left, files)
-            }
+            Ok(axis) => Self::read((name, source), tables, axis, files),
             Err(why) => Err(tables
                 .errors(name, source)
                 .unwrap_or_else(|| why.needed(name, source))),
@@ -78,9 +75,8 @@ impl ContactFile {
     /// Reads a scene of one contact from the tables of its file.
     pub(crate) fn read(
         (name, source): (&str, &str),
-        raw: RawScene,
+        tables: Tables,
         axis: OneAxis,
-        left: (Vec<Fault>, HashSet<String>),
         files: Files<'_>,
     ) -> Result<Self, SceneErrors> {
         let mut reading = Reading {
@@ -88,12 +84,12 @@ impl ContactFile {
             source,
             axis,
             faults: Vec::new(),
-            damaged: left.1,
+            damaged: tables.damaged,
         };
-        for fault in left.0 {
+        for fault in tables.faults {
             reading.fault(fault);
         }
-        let file = reading.scene(raw, files);
+        let file = reading.scene(tables.raw, files);
         reading.check(&file);
         match SceneErrors::new(reading.faults) {
             None => Ok(file),

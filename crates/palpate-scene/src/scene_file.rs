@@ -58,8 +58,7 @@ pub(crate) fn read(
     let tables = Tables::read(name, source)?;
     match tables.raw.one_contact() {
         Ok(axis) => {
-            let left = (tables.faults, tables.damaged);
-            let file = ContactFile::read((name, source), tables.raw, axis, left, files)?;
+            let file = ContactFile::read((name, source), tables, axis, files)?;
             Ok(SceneFile::Contact(Box::new(file)))
         }
         Err(_) => {
