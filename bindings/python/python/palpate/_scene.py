@@ -22,7 +22,7 @@ class Scene(Fixed, _palpate.Scene):
     """Closed loop to simulate: a device in a hand, and its contact with one body along one axis.
 
     Each argument is a table of a scene file, as a dictionary. Keys, units, ranges and defaults are those of the file
-    (`docs/formats.md` in palpate's repository lists them). Tables within tables are dictionaries, too: `hand` and
+    (`docs/reference/scene.md` in palpate's repository lists them). Tables within tables are dictionaries, too: `hand` and
     `drivetrain` of the device. Values of `None` are omitted. `Scene.read` reads a file. A scene with more than one contact
     along one axis is a `palpate.World`.
 

@@ -262,7 +262,7 @@ fn a_motion_that_no_hand_makes_ends_the_pipe_unless_it_is_meant() {
 
 #[test]
 fn the_example_in_python_does_what_it_says() {
-    let docs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/formats.md");
+    let docs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/reference/pipe.md");
     let docs = std::fs::read_to_string(docs).unwrap();
     let example = docs.split("```python\n").nth(1).unwrap();
     let example = example.split("```").next().unwrap();

@@ -3,7 +3,7 @@
 //! A recording is an [MCAP](https://mcap.dev) file, so Foxglove and PlotJuggler can open it. Its first record is the
 //! [`RecordingMetadata`], the metadata: the configuration as text. Then follow in chunks with checksums: [`Tick`]s on the
 //! channel `/tick`, the [`ContactTick`]s of each tick on `/contact`, the [`BodyTick`]s of a world on `/body`, the
-//! [`DeviceTick`]s of a loop with several devices on `/device`, and [`Event`]s on `/event`. `docs/formats.md`
+//! [`DeviceTick`]s of a loop with several devices on `/device`, and [`Event`]s on `/event`. `docs/reference/recording.md`
 //! documents every byte. An unfinished recording is called `NAME.part`. Data handed on by [`RecordingWriter::flush`]
 //! survive the program. [`RecordingWriter::count`] writes the counters of the loop ([`LoopCount`]), and
 //! [`RecordingWriter::finish`] then gives the file its name.

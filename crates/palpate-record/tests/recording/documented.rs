@@ -75,22 +75,22 @@ fn table(columns: &[Column], flags: Flags) -> String {
 #[test]
 fn the_tables_of_ticks_and_contacts_are_up_to_date() {
     compare(
-        "formats.md",
+        "reference/recording.md",
         "columns of a tick",
         &table(Tick::COLUMNS, Flags::ALL),
     );
     compare(
-        "formats.md",
+        "reference/recording.md",
         "columns of a contact",
         &table(ContactTick::COLUMNS, Flags::OF_CONTACT),
     );
     compare(
-        "formats.md",
+        "reference/recording.md",
         "columns of a body",
         &table(BodyTick::COLUMNS, Flags::default()),
     );
     compare(
-        "formats.md",
+        "reference/recording.md",
         "columns of a device",
         &table(DeviceTick::COLUMNS, Flags::OF_DEVICE),
     );

@@ -85,7 +85,7 @@ pub fn are(schemas: &[(&str, String)]) {
             .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         assert!(
             committed == *schema,
-            "{} is not the schema of the report; write it anew as docs/formats.md says",
+            "{} is not the schema of the report; write it anew as docs/reference/reports.md says",
             path.display()
         );
     }

@@ -1,6 +1,6 @@
 //! JSON schemas of the reports of this crate; the files are in `docs/schema`.
 //!
-//! `docs/formats.md` gives the command that regenerates these files.
+//! `docs/reference/reports.md` gives the command that regenerates these files.
 
 mod files;
 

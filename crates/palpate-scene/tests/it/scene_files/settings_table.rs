@@ -51,7 +51,7 @@ fn row(methods: &[&str], setting: &Setting) -> String {
 
 #[test]
 fn the_documented_settings_are_those_of_the_methods() {
-    let documented = include_str!("../../../../../docs/formats.md");
+    let documented = include_str!("../../../../../docs/reference/scene.md");
     let expected = rows();
     let said: Vec<_> = documented
         .lines()
@@ -60,7 +60,7 @@ fn the_documented_settings_are_those_of_the_methods() {
     assert_eq!(
         said,
         expected,
-        "docs/formats.md should have these rows:\n{}\n",
+        "docs/reference/scene.md should have these rows:\n{}\n",
         expected.join("\n")
     );
 }
