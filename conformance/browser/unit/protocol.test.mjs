@@ -14,7 +14,7 @@ test("a frame is read: head, times, columns one after the other", () => {
   assert.deepEqual([...frame.values], [1, 2, 3, -1, NaN, -3]);
 });
 
-test("the bytes are those of docs/live-view.md, written out", () => {
+test("the bytes are those of docs/reference/live-protocol.md, written out", () => {
   const text = "01 00 0100 01000000 02000000 09000000 000000000000f03f 00000000 0000c03f".replaceAll(" ", "");
   const frame = readSamples(new Uint8Array(Buffer.from(text, "hex")).buffer, 1);
   assert.equal(frame.number, 2);
@@ -39,7 +39,7 @@ test("rows are ticks up to 1 kHz, groups above", () => {
   assert.equal(isGrouped(1 / 1001), true);
 });
 
-test("a world is read: the bytes are those of docs/live-view.md, written out", () => {
+test("a world is read: the bytes are those of docs/reference/live-protocol.md, written out", () => {
   const head = "02 01 0000 01000000 05000000 07000000 000000000000e03f 01000000 0000803e 0000003f 0000403f";
   const body = "00004040 0000803f 00000040 00004040 0000803f 00000000 00000000 00000000";
   const contact = "00008040 0000a040 0000c040 0000e040 00000041 00001041";

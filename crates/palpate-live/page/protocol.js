@@ -1,4 +1,4 @@
-// Binary frames of the server, and messages to the server; docs/live-view.md describes the protocol.
+// Binary frames of the server, and messages to the server; docs/reference/live-protocol.md describes the protocol.
 
 /** The version of the protocol that this page speaks. */
 export const PROTOCOL = 1;

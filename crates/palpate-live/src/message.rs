@@ -1,4 +1,4 @@
-//! Text messages between page and server; `docs/live-view.md` describes every field.
+//! Text messages between page and server; `docs/reference/live-protocol.md` describes every field.
 
 use palpate_scene::method::{MethodName, SettingKey, deserialize_method};
 use palpate_scene::{Scene, in_plain_words};

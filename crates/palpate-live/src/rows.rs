@@ -193,7 +193,7 @@ const HEADER: usize = 24;
 /// Byte range of a frame's number.
 const NUMBER: std::ops::Range<usize> = 8..12;
 
-/// A frame of samples, as `docs/live-view.md` lays it out.
+/// A frame of samples, as `docs/reference/live-protocol.md` lays it out.
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// Lane, from 0.

@@ -1,4 +1,4 @@
-//! What page and server tell each other, as docs/live-view.md has it.
+//! What page and server tell each other, as docs/reference/live-protocol.md has it.
 
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};

@@ -102,5 +102,5 @@ fn the_table_of_the_live_page_is_up_to_date() {
     for column in columns().iter().filter(|column| column.is_live()) {
         let _ = writeln!(table, "| `{}` | {} |", column.name, unit(column));
     }
-    compare("live-view.md", "columns that the page is sent", &table);
+    compare("reference/live-protocol.md", "columns that the page is sent", &table);
 }
