@@ -198,7 +198,8 @@ pub fn row(tick: &Tick, contacts: &[ContactTick]) -> Row {
 /// Kind of a frame that holds a world.
 const WORLD: u8 = 2;
 
-/// The newest state of a world, as `docs/reference/live-protocol.md` lays it out, with the `forces` on its devices along the axes of the world.
+/// The newest state of a world, as `docs/reference/live-protocol.md` lays it out, with the `forces` on its devices
+/// along the axes of the world.
 pub fn frame(
     (lane, run): (u8, u32),
     tick: &Tick,

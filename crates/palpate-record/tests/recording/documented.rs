@@ -56,17 +56,34 @@ fn unit(column: &Column) -> &str {
     }
 }
 
-/// Returns the fields of a message, each aligned to its size; `flags` are its possible flags.
+/// Returns the fields of a message, each aligned to its size; `flags` are its possible flags. Neighbours with the same
+/// type, unit and meaning share a row.
 fn table(columns: &[Column], flags: Flags) -> String {
     let mut table =
-        String::from("| byte | field | type | unit | meaning |\n|---:|---|---|---|---|\n");
+        String::from("| byte | field | type | unit | meaning |\n|---|---|---|---|---|\n");
     let mut end = 0_usize;
-    for column in columns {
-        let at = end.next_multiple_of(column.kind.size());
-        end = at + column.kind.size();
-        let (name, kind) = (column.name, column.kind.message_type());
-        let (unit, meaning) = (unit(column), meaning(column, flags));
-        let _ = writeln!(table, "| {at} | `{name}` | {kind} | {unit} | {meaning} |");
+    let shared = |one: &Column, other: &Column| {
+        (one.kind.message_type(), unit(one), one.meaning)
+            == (other.kind.message_type(), unit(other), other.meaning)
+    };
+    for row in columns.chunk_by(shared) {
+        let mut bytes = Vec::new();
+        for column in row {
+            let at = end.next_multiple_of(column.kind.size());
+            end = at + column.kind.size();
+            bytes.push(at.to_string());
+        }
+        let names: Vec<_> = row
+            .iter()
+            .map(|column| format!("`{}`", column.name))
+            .collect();
+        let (kind, unit, meaning) = (
+            row[0].kind.message_type(),
+            unit(&row[0]),
+            meaning(&row[0], flags),
+        );
+        let (bytes, names) = (bytes.join(", "), names.join(", "));
+        let _ = writeln!(table, "| {bytes} | {names} | {kind} | {unit} | {meaning} |");
     }
     let _ = writeln!(table, "\nA message has {end} bytes after the first four.");
     table
@@ -102,5 +119,9 @@ fn the_table_of_the_live_page_is_up_to_date() {
     for column in columns().iter().filter(|column| column.is_live()) {
         let _ = writeln!(table, "| `{}` | {} |", column.name, unit(column));
     }
-    compare("reference/live-protocol.md", "columns that the page is sent", &table);
+    compare(
+        "reference/live-protocol.md",
+        "columns that the page is sent",
+        &table,
+    );
 }
