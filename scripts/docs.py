@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks the documentation: docs/SUMMARY.md lists every page once, every relative link resolves, and every page named in a
-source file exists."""
+"""Checks the documentation: docs/SUMMARY.md lists every page once, every relative link resolves, tables have a header, code
+fences are closed, and every page named in a source file exists."""
 
 import re
 import subprocess
@@ -28,6 +28,18 @@ def anchors(text: str) -> set[str]:
     return found | set(re.findall(r"""\bid="([^"]+)\"""", text))
 
 
+def faults_of_form(text: str) -> list[str]:
+    """Returns the tables without a header and the code fences that are not closed."""
+    faults = []
+    if len(re.findall(r"^ *```", text, re.MULTILINE)) % 2:
+        faults.append("a code fence is not closed")
+    for table in re.findall(r"(?:^\|.*\n)+", FENCE.sub("", text) + "\n", re.MULTILINE):
+        lines = table.splitlines()
+        if len(lines) < 2 or not re.fullmatch(r"\|(?: *:?-+:? *\|)+", lines[1]):
+            faults.append(f"a table has no header: {lines[0][:60]}")
+    return faults
+
+
 def main() -> int:
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, capture_output=True, text=True, check=True)
     files = [ROOT / name for name in listed.stdout.splitlines()]
@@ -38,6 +50,7 @@ def main() -> int:
     pages = {file: file.read_text() for file in files if file.suffix == ".md" and file.name != "THIRD-PARTY.md"}
     known = {file.resolve(): anchors(text) for file, text in pages.items()}
     for page, text in pages.items():
+        errors += [f"{page.relative_to(ROOT)}: {fault}" for fault in faults_of_form(text)]
         for target in LINK.findall(re.sub(r"`[^`\n]*`", "", FENCE.sub("", text))):
             if re.match(r"[a-z]+:", target):
                 continue
