@@ -6,7 +6,7 @@
 //! scripts/nightly sanitizer                               RealtimeSanitizer
 //! ```
 //!
-//! All three check the same [`situations`], and each has to detect its share of the [`misdeeds`]. docs/realtime.md
+//! All three check the same [`situations`], and each has to detect its share of the [`misdeeds`]. docs/realtime-design.md
 //! describes the limits of each check.
 
 mod hostile;

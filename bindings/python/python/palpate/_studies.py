@@ -156,8 +156,8 @@ class Map(Table, Report):
 
     @property
     def rows(self) -> NDArray[np.void]:
-        """A record for each cell, plant and method, with the columns of the program's file (`docs/map.md` in palpate's
-        repository). Missing values are NaN."""
+        """A record for each cell, plant and method, with the columns of the program's file
+        (`docs/reference/tables.md` in palpate's repository). Missing values are NaN."""
         lines = [line for line in self._csv.splitlines() if not line.startswith("#")]
         [names, *rows] = csv.reader(lines)
         # The first line has the metadata of the map in its last column.

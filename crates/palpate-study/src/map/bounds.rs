@@ -12,7 +12,7 @@ pub fn colgate_schenkel(device: f64, virtual_damping: f64) -> f64 {
 
 /// Returns the bound of HFCR without leak dissipation while contact is sustained: the device's damping dissipates
 /// every leak if and only if b > K T, that is kappa < βb, at any object mass (the leak identity of the modified
-/// force, `docs/method.md`). The bound does not cover the leaks at the transitions of a bounce, nor a loop with a
+/// force, `docs/theory.md`). The bound does not cover the leaks at the transitions of a bounce, nor a loop with a
 /// delay.
 #[must_use]
 pub fn hfcr_sustained(device: f64) -> f64 {
