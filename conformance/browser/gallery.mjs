@@ -88,7 +88,7 @@ for (const file of readdirSync(WORLDS).filter((name) => name.endsWith(".toml")).
 await closeBrowser();
 
 const cell = ({ name, title }) =>
-  `![${title}](figures/gallery/${name}.webp)<br>**[${name}](../experiments/worlds/${name}.toml)** ${title}`;
+  `![${name}](figures/gallery/${name}.webp)<br>**[${name}](../experiments/worlds/${name}.toml)** ${title}`;
 const rows = [];
 for (let i = 0; i < drawn.length; i += 2) {
   rows.push(`| ${cell(drawn[i])} | ${drawn[i + 1] ? cell(drawn[i + 1]) : ""} |`);
