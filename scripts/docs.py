@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks the documentation: docs/SUMMARY.md lists every page once, every relative link resolves, tables have a header, code
-fences are closed, and every page named in a source file exists."""
+"""Checks the documentation: docs/SUMMARY.md lists every page once, every relative link resolves, tables have a header,
+code fences are closed, and every page named in a source file exists."""
 
 import re
 import subprocess
@@ -41,8 +41,8 @@ def faults_of_form(text: str) -> list[str]:
 
 
 def main() -> int:
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, capture_output=True, text=True, check=True)
-    files = [ROOT / name for name in listed.stdout.splitlines()]
+    listed = subprocess.check_output(["git", "ls-files", "-co", "--exclude-standard"], cwd=ROOT, text=True)
+    files = [ROOT / name for name in listed.splitlines()]
     files = [file for file in files if file.is_file()]
     errors: list[str] = []
 
