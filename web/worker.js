@@ -1,6 +1,7 @@
 // The loop, on a separate thread: it advances simulated time by the elapsed real time, and reports its results.
 //
-// Its messages are those of the server of `palpate live` (docs/reference/live-protocol.md), and `pace`: how well it keeps up.
+// Its messages are those of the server of `palpate live` (docs/reference/live-protocol.md), and `pace`: how well it
+// keeps up.
 
 import { Engine, Refusal } from "./engine.js";
 import { Pacer } from "./pacer.js";
