@@ -1,5 +1,10 @@
 //! Actuator model of a loop: effect of the pending commands on the device.
 
+mod ahead;
+
+pub use ahead::{Ahead, Governed};
+pub(crate) use ahead::{Impulse, Pending};
+
 use crate::Scalar;
 use crate::actuation::{Actuation, LARGEST_DELAY, WHOLE_WITHIN};
 
@@ -11,6 +16,10 @@ pub struct Held<S> {
     /// Lead of its impulse over that of a constant force: the integral of (h - s) f(s) over the interval of h, minus
     /// that of the mean `[N s^2]`. 0 for a force that was held throughout.
     pub lead: S,
+    /// Largest change of its work by a unit acceleration of the device that leaves the device's displacement as it is
+    /// `[N s^2]`: the integral of |G|, where G(s) is the impulse of f - mean over the rest of the interval. 0 for a
+    /// force that was held throughout.
+    pub course: S,
     /// Change of the force by the commands that begin in the interval `[N]`.
     pub step: S,
     /// Sum of these changes, each times the remaining duration of the interval when it begins `[N s]`.
@@ -25,6 +34,7 @@ impl<S: Scalar> Held<S> {
         Self {
             mean: force,
             lead: S::ZERO,
+            course: S::ZERO,
             step: S::ZERO,
             step_moment: S::ZERO,
             impulse_deviation: S::ZERO,
@@ -152,6 +162,22 @@ impl<S: Scalar> Actuator<S> {
         (mean, lead, aim + off * decayed)
     }
 
+    /// Returns the part of [`Held::course`] in an interval of `h` `[s]` by a response from `begins` to `ends` `[s]` that
+    /// starts at a distance of `off` from its final value `[N]`, after a step of `jump` `[N]`.
+    fn course(&self, [begins, ends, h]: [S; 3], off: S, jump: S) -> S {
+        // A change df at s contributes |df| s (h - s)/2.
+        let at_begin = begins * (h - begins);
+        if self.lag <= S::ZERO {
+            return S::HALF * jump.abs() * at_begin;
+        }
+        let length = ends - begins;
+        let [decayed, carried] = decay(self.lag, length);
+        let first = carried - length * decayed;
+        let second = S::TWO * self.lag * first - length * length * decayed;
+        let weighted = at_begin * (S::ONE - decayed) + (h - begins - begins) * first - second;
+        S::HALF * off.abs() * weighted.max(S::ZERO)
+    }
+
     /// Computes the force by the commands of a schedule over an interval of `h` `[s]`.
     fn pass(&self, felt: &mut Command<S>, schedule: &Schedule<S>, h: S) -> Piece<S> {
         let mut sum = Piece {
@@ -174,6 +200,8 @@ impl<S: Scalar> Actuator<S> {
                 continue;
             }
             let (mean, lead, end) = self.respond(before.sent, command.sent, length);
+            let off = before.sent - self.gain * command.sent;
+            sum.held.course += self.course([begins, ends, h], off, self.gain * step);
             let as_intended = command.sent == command.intended && before.sent == before.intended;
             let (intended, intended_end) = if as_intended {
                 (mean, end)
@@ -214,6 +242,22 @@ impl<S: Scalar> Actuator<S> {
             sum.held.impulse_deviation = (timing * timing + gain * gain).sqrt();
         }
         sum
+    }
+
+    /// Returns the largest [`Held::course`] by a step of 1 N in intervals of `h` `[s]` `[s^2]`.
+    fn course_of_step(&self, h: S) -> S {
+        if self.is_whole && self.lag <= S::ZERO {
+            return S::ZERO;
+        }
+        let periods = self.delay / h;
+        let begins = if self.is_whole {
+            S::ZERO
+        } else {
+            (periods - periods.floor()) * h
+        };
+        // Of a step at s: s (h - s)/2, at most h^2/8. A lag delays the change by its time constant on average.
+        let sharp = S::HALF * begins * (h - begins);
+        (sharp + S::HALF * h * self.lag).min(S::from_f64(0.125) * h * h)
     }
 
     /// Returns the impulse that the lag carries into an interval of `h` `[s]`, and the part of a command's impulse that
@@ -317,15 +361,15 @@ impl<S: Scalar> UnderWay<S> {
         piece
     }
 
-    /// Ends an interval for a method with another actuator estimate than the `model` of the loop. Returns the mean
-    /// force by the model `[N]`, and the force on the device by the estimate.
+    /// Ends an interval for a method with another actuator estimate than the `model` of the loop. Returns the force on
+    /// the device by the model, and by the estimate.
     #[inline]
     pub fn pass_learned(
         &mut self,
         model: &Actuator<S>,
         learned: &Actuator<S>,
         h: S,
-    ) -> (S, Piece<S>) {
+    ) -> (Held<S>, Piece<S>) {
         let (by_model, felt) = if model.is_at_once {
             (self.held_at_once(model, h), S::ZERO)
         } else {
@@ -339,7 +383,7 @@ impl<S: Scalar> UnderWay<S> {
         };
         let piece = self.pass(learned, h);
         self.felt_by_model = felt;
-        (by_model.held.mean, piece)
+        (by_model.held, piece)
     }
 
     /// Returns the newest command, exactly as sent.
@@ -415,127 +459,5 @@ impl<S: Scalar> UnderWay<S> {
         let place = usize::from(self.newest) + age.min(MAX_COMMANDS - 1);
         let place = place.checked_sub(MAX_COMMANDS).unwrap_or(place);
         self.commands.get(place).copied().unwrap_or_default()
-    }
-}
-
-/// Pending commands at a sample, before its own.
-#[derive(Clone, Copy, Debug)]
-pub struct Ahead<'a, S> {
-    actuator: &'a Actuator<S>,
-    under_way: &'a UnderWay<S>,
-}
-
-impl<'a, S: Scalar> Ahead<'a, S> {
-    /// Creates a view of a loop's actuator and its pending commands.
-    pub fn new(actuator: &'a Actuator<S>, under_way: &'a UnderWay<S>) -> Self {
-        Self {
-            actuator,
-            under_way,
-        }
-    }
-
-    /// Returns whether a non-zero command acts before the command of this sample does.
-    #[must_use]
-    pub fn is_awaited(&self) -> bool {
-        let delay = self.actuator.delay;
-        let parts = (!self.actuator.is_at_once && delay > S::ZERO).then(|| self.schedule(delay));
-        parts.is_some_and(|parts| parts.parts(delay).any(|part| part.command.sent != S::ZERO))
-    }
-
-    /// Returns a bound on the impulse that the commands before this sample's can still give `[N s]`: the integral of
-    /// the force's magnitude. A lag spreads an impulse over time and adds none, so each command counts with its
-    /// remaining time, and the decaying force in the lag with its whole remainder.
-    #[must_use]
-    pub fn impulse_to_come(&self) -> S {
-        let actuator = self.actuator;
-        let mut sum = S::ZERO;
-        if !actuator.is_at_once && actuator.delay > S::ZERO {
-            for part in self.schedule(actuator.delay).parts(actuator.delay) {
-                sum += (part.ends - part.begins).max(S::ZERO) * part.command.sent.abs();
-            }
-        }
-        actuator.gain * sum + actuator.lag * self.under_way.felt_by_model.abs()
-    }
-
-    /// Passes the forces before the command of this sample to `each` in temporal order, and returns the interval of
-    /// `period` `[s]` that the command governs.
-    #[inline]
-    pub fn until_own(&self, period: S, mut each: impl FnMut(Piece<S>)) -> Governed<S> {
-        let actuator = self.actuator;
-        let mut felt = self.under_way.felt;
-        if actuator.delay > S::ZERO {
-            for part in self.schedule(actuator.delay).parts(actuator.delay) {
-                let h = part.ends - part.begins;
-                if h <= S::ZERO {
-                    continue;
-                }
-                let mut alone = Schedule {
-                    begun: [(S::ZERO, Command::default(), S::ZERO); MAX_COMMANDS],
-                    count: 0,
-                };
-                alone.add(S::ZERO, part.command, part.step);
-                each(actuator.pass(&mut felt, &alone, h));
-            }
-        }
-        let (carried, share) = actuator.shares(felt.sent, period);
-        Governed { carried, share }
-    }
-
-    /// Returns whether the command of this sample begins at a sample.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
-        self.actuator.is_whole
-    }
-
-    /// Returns the force on the device in the next `h` `[s]`, if the command of this sample delivers `own` `[N]`.
-    pub fn over_next(&self, own: S, h: S) -> Held<S> {
-        let actuator = self.actuator;
-        let mut schedule = self.schedule(h);
-        if actuator.delay < h {
-            let own = own / actuator.gain;
-            let command = Command {
-                intended: own,
-                sent: own,
-            };
-            // It is the last to begin.
-            let mut with_own = Schedule {
-                begun: [(S::ZERO, Command::default(), S::ZERO); MAX_COMMANDS],
-                count: 0,
-            };
-            with_own.add(actuator.delay, command, S::ZERO);
-            for place in 0..schedule.count {
-                if let Some((begins, command, step)) = schedule.begun.get(place).copied() {
-                    with_own.add(begins, command, step);
-                }
-            }
-            schedule = with_own;
-        }
-        let mut felt = self.under_way.felt;
-        actuator.pass(&mut felt, &schedule, h).held
-    }
-
-    fn schedule(&self, h: S) -> Schedule<S> {
-        let since = self.under_way.aged(0).span;
-        self.under_way.schedule(self.actuator, since, h)
-    }
-}
-
-/// Interval in which a command acts.
-#[derive(Clone, Copy, Debug)]
-pub struct Governed<S> {
-    /// Impulse that the lag carries into it `[N s]`.
-    carried: S,
-    /// Part of it for a command's own impulse `[s]`.
-    share: S,
-}
-
-impl<S: Scalar> Governed<S> {
-    /// Returns the delivered force, constant except for the lag, whose impulse over the interval of `h` `[s]` is that
-    /// of `mean` `[N]`.
-    pub fn with_mean(&self, mean: S, h: S) -> S {
-        if self.share == h {
-            return mean;
-        }
-        (mean * h - self.carried) / self.share
     }
 }

@@ -249,8 +249,8 @@ impl<S: Scalar> LoopParams<S> {
             limit(Parameter::SlewLimit, self.slew_limit),
         ]
         .into_iter()
-        .chain(self.guard.faults())
         .flatten()
+        .chain(self.guard.faults())
         .chain(self.actuation.faults(self.period))
     }
 

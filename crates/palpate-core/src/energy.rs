@@ -27,14 +27,16 @@ impl<S: Scalar> Leak<S> {
 /// It balances at every sample:
 ///
 /// ```text
-/// stored - stored at start = port_work + virtual_force_work + outside_work + held leak
+/// stored - opening = port_work + virtual_force_work + outside_work + held leak
 /// ```
 ///
 /// Energy is positive into the object. The ledger excludes the device's own energy. The energy from the device to the
 /// object is `port_work`, computed with the force that was actually held.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger<S> {
-    /// Kinetic energy of the object and elastic energy of the contact at the last sample `[J]`.
+    /// Kinetic energy of the object and elastic energy of the contact at the first sample `[J]`.
+    pub opening: S,
+    /// The same energy at the last sample `[J]`.
     pub stored: S,
     /// Work of the held force on the object's side of the port, `sum f_i (xi_{i+1} - xi_i)` `[J]`.
     pub port_work: S,
@@ -65,15 +67,17 @@ pub(crate) struct Closing<S> {
 impl<S: Scalar> Ledger<S> {
     pub(crate) fn open(stored: S) -> Self {
         Self {
+            opening: stored,
             stored,
             ..Self::default()
         }
     }
 
     /// Returns the energy that may still be given out without generated energy: initially stored energy plus supplied
-    /// energy minus delivered energy `[J]`.
+    /// energy minus delivered energy `[J]`. The equal `stored - held leak` would lose its digits once an object that no
+    /// force can hold has run away.
     pub fn balance(&self) -> S {
-        self.stored - self.held_leak.accumulated
+        self.opening + self.port_work + self.virtual_force_work + self.outside_work
     }
 
     /// Records one interval; returns false, without effect, if an entry would overflow.

@@ -1,7 +1,7 @@
 //! Passivity guard: a bound on the energy that a held force can give out before the next sample.
 //!
-//! A force is fixed before the user moves. Over one interval it can give out as much as `|f| v T` at a device speed v,
-//! however it was computed. A guarantee, in contrast to an estimate, must therefore limit the force itself:
+//! A force is fixed before the user moves. A guarantee, in contrast to an estimate, must therefore limit the force
+//! itself. Over one interval a force can give out as much as `|f| v T` at a device speed v, however it was computed:
 //!
 //! ```text
 //! |f_i| T <= (balance_i + allowance)/v_max - impulse to come
@@ -17,8 +17,28 @@
 //! With a lag or a fraction of a period of delay the force changes between two samples. The port work is then that of
 //! the mean force, which is exact for a device that does not reverse its motion in between. The guard uses the delay,
 //! lag and gain of [`Actuation`](crate::Actuation), without their deviations.
+//!
+//! # Bound by acceleration
+//!
+//! With a [`HandBound`], the last step of the device limits the next one. Let a_h bound the acceleration of the device
+//! by everything except the rendered force, m its least mass, theta = 1/m, q the quantum of the sensor. The last
+//! interval of length T1 had the mean velocity v (positive into the object) and the force f(s):
+//!
+//! ```text
+//! -velocity now <= b = -v + q/T1 + a_h T1/2 + theta max(M, 0),  M = (1/T1) integral of s f(s)
+//! forces on their way, impulse J, moment S:  claim = b J + a_h S + theta J^2/2
+//! own force f:  theta T^2 f^2/2 + T (b + a_h t_f + theta J) f + claims <= balance + allowance - hidden
+//! ```
+//!
+//! t_f is the centroid of the own impulse. Pulls have the mirrored bound. The largest f that satisfies one of the two
+//! bounds is sent. A device that enters the object pays nothing.
+//!
+//! `hidden` is the energy that may have been given out unnoticed: the quantum hides `|change of f| q/2`, and a force
+//! that changes between two samples `a_h course - min(mean lead, 0)/m` ([`Held`]). Both need a motion that matches the
+//! changes of the force, so `hidden` decreases by [`HandBound::recovery`].
 
 use crate::Scalar;
+use crate::actuator::{Held, Impulse, Pending};
 use crate::parameter::{Parameter, ParameterError};
 
 /// Mode of the bound on the energy given out.
@@ -59,32 +79,301 @@ pub struct GuardParams<S> {
     /// Energy that may be given out beyond the balance, epsilon `[J]`, not below 0. With 0, a contact without stored
     /// energy could not begin to push.
     pub allowance: S,
+    /// Bound on the acceleration of the device. `None`: the bound by speed only.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub hand: Option<HandBound<S>>,
+}
+
+/// Bound on the acceleration of the device by everything except the rendered force: the hand, friction, its weight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
+)]
+pub struct HandBound<S> {
+    /// Largest acceleration a_h `[m/s^2]`, greater than 0. 20 N on 0.25 kg are 80 m/s^2.
+    pub acceleration: S,
+    /// Least mass of the device that the rendered force can find `[kg]`, greater than 0.
+    pub least_mass: S,
+    /// Quantum q of the position sensor `[m]`, not below 0.
+    pub quantum: S,
+    /// Power by which the energy that may have been given out unnoticed is forgiven `[W]`, not below 0. The guarantee
+    /// of a force that changes between two samples, or of a sensor with a quantum, is the allowance plus this power
+    /// times the time. With 0 the guard is strict and loses its allowance over many contacts.
+    pub recovery: S,
+}
+
+impl<S: Scalar> HandBound<S> {
+    /// Creates the bound of a hand that exerts at most `force` `[N]` on a device of at least `least_mass` `[kg]`,
+    /// without a quantum and without recovery.
+    #[must_use]
+    pub fn of_force(force: S, least_mass: S) -> Self {
+        Self {
+            acceleration: force / least_mass,
+            least_mass,
+            quantum: S::ZERO,
+            recovery: S::ZERO,
+        }
+    }
+
+    fn faults(&self) -> [Option<ParameterError>; 4] {
+        [
+            Parameter::GuardAcceleration
+                .positive(self.acceleration)
+                .err(),
+            Parameter::GuardMass.positive(self.least_mass).err(),
+            Parameter::GuardQuantum.not_negative(self.quantum).err(),
+            Parameter::GuardRecovery.not_negative(self.recovery).err(),
+        ]
+    }
 }
 
 impl<S: Scalar> Guard<S> {
     /// Returns the parameters outside their range.
-    pub(crate) fn faults(&self) -> [Option<ParameterError>; 2] {
-        match self {
-            Self::Off => [None; 2],
-            Self::Report(params) | Self::Limit(params) => [
+    pub(crate) fn faults(&self) -> impl Iterator<Item = ParameterError> + use<S> {
+        let params = self.params();
+        let hand = params.and_then(|params| params.hand);
+        let of_params = params.map_or([None; 2], |params| {
+            [
                 Parameter::GuardSpeed.positive(params.largest_speed).err(),
                 Parameter::GuardAllowance
                     .not_negative(params.allowance)
                     .err(),
-            ],
+            ]
+        });
+        let of_hand = hand.map_or([None; 4], |hand| hand.faults());
+        of_params.into_iter().chain(of_hand).flatten()
+    }
+
+    /// Returns the parameters, unless there is no guard.
+    #[inline]
+    pub(crate) fn params(&self) -> Option<&GuardParams<S>> {
+        match self {
+            Self::Off => None,
+            Self::Report(params) | Self::Limit(params) => Some(params),
         }
     }
 
-    /// Returns the largest force `[N]` over one `period` `[s]` from a `balance` `[J]`, with `claims`, the impulse that
-    /// earlier commands may still give `[N s]`; and whether the bound is enforced.
+    /// Returns whether the bound is enforced.
     #[inline]
-    pub(crate) fn bound(&self, balance: S, claims: S, period: S) -> Option<(S, bool)> {
-        let (params, kept) = match self {
-            Self::Off => return None,
-            Self::Report(params) => (params, false),
-            Self::Limit(params) => (params, true),
+    pub(crate) fn limits(&self) -> bool {
+        matches!(self, Self::Limit(_))
+    }
+}
+
+/// State of the guard besides the energy ledger.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GuardMemory<S> {
+    /// The last interval; `None` after a lost sample or an acceleration beyond the bound.
+    last: Option<LastStep<S>>,
+    /// Whether the last interval may be used for the bound by acceleration.
+    is_within: bool,
+    /// Mean force over the last interval `[N]`.
+    held: S,
+    /// Energy that may have been given out unnoticed `[J]`.
+    hidden: S,
+    /// Largest energy that forces gave out in intervals without a position at their end `[J]`.
+    unseen: S,
+    /// Number of intervals with an acceleration beyond the bound.
+    exceeded: u32,
+}
+
+/// Motion of the device over an interval.
+#[derive(Clone, Copy, Debug)]
+struct LastStep<S> {
+    elapsed: S,
+    /// Mean velocity `[m/s]`.
+    velocity: S,
+    /// Impulse of the force, weighted by the time since the interval's beginning, over its duration `[N s]`.
+    late: S,
+    /// The rest of the impulse `[N s]`.
+    early: S,
+}
+
+impl<S: Scalar> GuardMemory<S> {
+    pub fn new() -> Self {
+        Self {
+            last: None,
+            is_within: false,
+            held: S::ZERO,
+            hidden: S::ZERO,
+            unseen: S::ZERO,
+            exceeded: 0,
+        }
+    }
+
+    /// Returns the number of intervals in which the device accelerated beyond the bound.
+    pub fn exceeded(&self) -> u32 {
+        self.exceeded
+    }
+
+    /// Ends an interval of `elapsed` `[s]`, in which the device `moved` `[m]` under the force `held`.
+    #[inline(never)]
+    pub fn pass(&mut self, params: &GuardParams<S>, held: &Held<S>, moved: S, elapsed: S) {
+        let Some(hand) = &params.hand else {
+            return;
         };
-        let free = (balance + params.allowance) / params.largest_speed - claims;
-        Some(((free / period).max(S::ZERO), kept))
+        let half = S::HALF * held.mean * elapsed;
+        let now = LastStep {
+            elapsed,
+            velocity: moved / elapsed,
+            late: half - held.lead / elapsed,
+            early: half + held.lead / elapsed,
+        };
+        self.is_within = !self
+            .last
+            .is_some_and(|before| hand.is_exceeded(&before, &now));
+        if !self.is_within {
+            self.exceeded = self.exceeded.saturating_add(1);
+        }
+        self.last = Some(now);
+        let by_acceleration = hand.acceleration * held.course
+            + (-(held.mean * held.lead)).max(S::ZERO) / hand.least_mass;
+        let by_speed = S::from_f64(4.0) * params.largest_speed * held.course / elapsed;
+        let by_course = if self.is_within {
+            by_acceleration.min(by_speed)
+        } else {
+            by_speed
+        };
+        let by_quantum = S::HALF * hand.quantum * (held.mean - self.held).abs();
+        self.held = held.mean;
+        let hidden = self.hidden - hand.recovery * elapsed;
+        self.hidden = hidden.max(S::ZERO) + by_course + by_quantum;
+    }
+
+    /// Ends an interval of `elapsed` `[s]` without a position at its end, in which `force` `[N]` acted.
+    #[cold]
+    pub fn lose(&mut self, params: &GuardParams<S>, force: S, elapsed: S) {
+        self.last = None;
+        self.is_within = false;
+        self.unseen += params.largest_speed * force.abs() * elapsed;
+        if let Some(hand) = &params.hand {
+            self.hidden += S::HALF * hand.quantum * (force - self.held).abs();
+            self.held = force;
+        }
+    }
+
+    /// Returns the largest push and the largest pull `[N]` over one `period` `[s]`, as delivered forces.
+    #[inline(never)]
+    pub fn bounds(
+        &self,
+        params: &GuardParams<S>,
+        balance: S,
+        pending: &Pending<S>,
+        period: S,
+    ) -> [S; 2] {
+        let free = balance + params.allowance - self.unseen;
+        let Some(hand) = &params.hand else {
+            return [not_negative(params.by_speed(free, pending, period)); 2];
+        };
+        let free = free - self.hidden - S::HALF * hand.quantum * self.held.abs();
+        let by_speed = params.by_speed(free, pending, period);
+        match &self.last {
+            Some(last) if self.is_within => {
+                let by_acceleration = params.by_acceleration(hand, last, free, pending, period);
+                by_acceleration.map(|bound| not_negative(bound.max(by_speed)))
+            }
+            _ => [not_negative(by_speed); 2],
+        }
+    }
+}
+
+/// Returns the bound, or 0 if it is negative or NaN.
+fn not_negative<S: Scalar>(bound: S) -> S {
+    if bound >= S::ZERO { bound } else { S::ZERO }
+}
+
+impl<S: Scalar> GuardParams<S> {
+    /// Returns the largest force by the largest speed of the device, from a `free` energy `[J]`.
+    fn by_speed(&self, free: S, pending: &Pending<S>, period: S) -> S {
+        let claims = pending.push.impulse + pending.pull.impulse;
+        (free / self.largest_speed - claims) / period
+    }
+
+    /// Returns the largest push and pull by the largest acceleration of the device, from a `free` energy `[J]`.
+    fn by_acceleration(
+        &self,
+        hand: &HandBound<S>,
+        last: &LastStep<S>,
+        free: S,
+        pending: &Pending<S>,
+        period: S,
+    ) -> [S; 2] {
+        let [push, pull] = [
+            hand.against(last.velocity, last.late, last.elapsed),
+            hand.against(-last.velocity, -last.late, last.elapsed),
+        ];
+        let [push_claim, pull_claim] = [
+            hand.claim(push, &pending.push),
+            hand.claim(pull, &pending.pull),
+        ];
+        let by_speed = self.largest_speed * (pending.push.impulse + pending.pull.impulse);
+        let bound = |against: S, impulse: S, own: S, other: S| {
+            // The own force and the earlier ones by acceleration, or the earlier ones by speed.
+            let level = (free - other.max(S::ZERO)).max(own);
+            let room = (level - own).max(free - by_speed).max(S::ZERO);
+            let root = hand.largest_force(against, impulse, room, pending, period);
+            // The own force by speed, and the earlier ones by acceleration.
+            let crossed = if pending.overlaps {
+                impulse * period / hand.least_mass
+            } else {
+                S::ZERO
+            };
+            let rest = free - own.max(S::ZERO) - other.max(S::ZERO);
+            root.max(rest / (self.largest_speed * period + crossed))
+        };
+        [
+            bound(push, pending.push.impulse, push_claim, pull_claim),
+            bound(pull, pending.pull.impulse, pull_claim, push_claim),
+        ]
+    }
+}
+
+impl<S: Scalar> HandBound<S> {
+    /// Returns whether two intervals show an acceleration beyond the bound, for any mass from the least one up.
+    fn is_exceeded(&self, before: &LastStep<S>, now: &LastStep<S>) -> bool {
+        let most = S::HALF * self.acceleration * (before.elapsed + now.elapsed)
+            + self.quantum / before.elapsed
+            + self.quantum / now.elapsed;
+        // Rounding of positions and times.
+        let most = most * S::from_f64(1.0 + 1e-9) + S::from_f64(1e-12);
+        let gained = now.velocity - before.velocity;
+        let by_hand = gained + (before.late + now.early) / self.least_mass;
+        gained.min(by_hand) > most || gained.max(by_hand) < -most
+    }
+
+    /// Returns the largest velocity against a force now `[m/s]`: b, from the mean velocity with the force and the
+    /// weighted impulse `late` of the last interval.
+    fn against(&self, velocity: S, late: S, elapsed: S) -> S {
+        self.quantum / elapsed + S::HALF * self.acceleration * elapsed - velocity
+            + late.max(S::ZERO) / self.least_mass
+    }
+
+    /// Returns the largest energy that forces on their way give out `[J]`.
+    fn claim(&self, against: S, on_way: &Impulse<S>) -> S {
+        let Impulse { impulse, moment } = *on_way;
+        against * impulse
+            + self.acceleration * moment
+            + S::HALF * impulse * impulse / self.least_mass
+    }
+
+    /// Returns the largest own force `[N]` that gives out at most `room` `[J]` in addition to an earlier `impulse` of
+    /// its sign, with the energy that its begin and its end can hide.
+    fn largest_force(&self, against: S, impulse: S, room: S, pending: &Pending<S>, period: S) -> S {
+        let square = (S::HALF * period * period + pending.own_course) / self.least_mass;
+        let speed = against + self.acceleration * pending.own_at + impulse / self.least_mass;
+        let linear =
+            period * speed + self.quantum + S::TWO * self.acceleration * pending.own_course;
+        let root = (linear * linear + S::from_f64(4.0) * square * room).sqrt();
+        if linear > S::ZERO {
+            S::TWO * room / (linear + root)
+        } else {
+            (root - linear) / (S::TWO * square)
+        }
     }
 }

@@ -31,6 +31,10 @@ pub enum Parameter {
     SlewLimit,
     GuardSpeed,
     GuardAllowance,
+    GuardAcceleration,
+    GuardMass,
+    GuardQuantum,
+    GuardRecovery,
     DeviceMass,
     EncoderQuantum,
     /// Largest error of a measured position in an adaptive window.
@@ -86,6 +90,10 @@ impl ParameterName for Parameter {
             Self::SlewLimit => "slew_limit",
             Self::GuardSpeed => "guard speed",
             Self::GuardAllowance => "guard allowance",
+            Self::GuardAcceleration => "guard acceleration",
+            Self::GuardMass => "guard mass",
+            Self::GuardQuantum => "guard quantum",
+            Self::GuardRecovery => "guard recovery",
             Self::DeviceMass => "device_mass",
             Self::EncoderQuantum => "encoder_quantum",
             Self::NoiseBound => "noise_bound",
@@ -103,10 +111,12 @@ impl ParameterName for Parameter {
     fn unit(&self) -> &'static str {
         match self {
             Self::Stiffness => Unit::NewtonPerMetre,
-            Self::ObjectMass | Self::DeviceMass => Unit::Kilogram,
-            Self::ObjectPosition | Self::EncoderQuantum | Self::NoiseBound | Self::AxisOrigin => {
-                Unit::Metre
-            }
+            Self::ObjectMass | Self::DeviceMass | Self::GuardMass => Unit::Kilogram,
+            Self::ObjectPosition
+            | Self::EncoderQuantum
+            | Self::NoiseBound
+            | Self::AxisOrigin
+            | Self::GuardQuantum => Unit::Metre,
             Self::ObjectVelocity | Self::SpeedLimit | Self::GuardSpeed => Unit::MetrePerSecond,
             Self::VirtualForce | Self::ForceLimit => Unit::Newton,
             Self::SlewLimit => Unit::NewtonPerSecond,
@@ -117,7 +127,9 @@ impl ParameterName for Parameter {
             | Self::Lag
             | Self::LagDeviation => Unit::Second,
             Self::Resonance => Unit::Hertz,
+            Self::GuardAcceleration => Unit::MetrePerSecondSquared,
             Self::GuardAllowance => Unit::Joule,
+            Self::GuardRecovery => Unit::Watt,
             Self::DerivedDamping => Unit::NewtonSecondPerMetre,
             Self::Side
             | Self::AxisNormal
@@ -279,6 +291,7 @@ pub enum Unit {
     One,
     Metre,
     MetrePerSecond,
+    MetrePerSecondSquared,
     Second,
     Kilogram,
     Newton,
@@ -286,6 +299,7 @@ pub enum Unit {
     NewtonPerSecond,
     NewtonSecondPerMetre,
     Joule,
+    Watt,
     Hertz,
 }
 
@@ -297,6 +311,7 @@ impl Unit {
             Self::One => "",
             Self::Metre => "m",
             Self::MetrePerSecond => "m/s",
+            Self::MetrePerSecondSquared => "m/s^2",
             Self::Second => "s",
             Self::Kilogram => "kg",
             Self::Newton => "N",
@@ -304,6 +319,7 @@ impl Unit {
             Self::NewtonPerSecond => "N/s",
             Self::NewtonSecondPerMetre => "N s/m",
             Self::Joule => "J",
+            Self::Watt => "W",
             Self::Hertz => "Hz",
         }
     }
@@ -315,6 +331,7 @@ impl Unit {
             Self::One => "",
             Self::Metre => "_m",
             Self::MetrePerSecond => "_m_per_s",
+            Self::MetrePerSecondSquared => "_m_per_s2",
             Self::Second => "_s",
             Self::Kilogram => "_kg",
             Self::Newton => "_n",
@@ -322,6 +339,7 @@ impl Unit {
             Self::NewtonPerSecond => "_n_per_s",
             Self::NewtonSecondPerMetre => "_n_s_per_m",
             Self::Joule => "_j",
+            Self::Watt => "_w",
             Self::Hertz => "_hz",
         }
     }

@@ -3,6 +3,7 @@
 use crate::Scalar;
 use crate::actuator::UnderWay;
 use crate::energy::Ledger;
+use crate::guard::GuardMemory;
 use crate::motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
 
 /// State of one rendered contact. It is small and `Copy`, so a program can save, restore and move it between threads.
@@ -19,6 +20,7 @@ pub struct State<S, Memory> {
     pub(super) under_way: UnderWay<S>,
     pub(super) memory: Memory,
     pub(super) ledger: Ledger<S>,
+    pub(super) guard: GuardMemory<S>,
     /// Whether a first sample has opened the energy ledger.
     opened: bool,
 }
@@ -86,6 +88,7 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
             under_way: UnderWay::nothing(),
             memory: Memory::default(),
             ledger: Ledger::default(),
+            guard: GuardMemory::new(),
             opened: false,
         }
     }
@@ -105,6 +108,12 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
     /// Returns the energy ledger of the object up to the last sample.
     pub fn ledger(&self) -> &Ledger<S> {
         &self.ledger
+    }
+
+    /// Returns the number of intervals in which the device accelerated beyond the
+    /// [`HandBound`](crate::HandBound) of the guard. In these intervals the guard uses the bound by speed.
+    pub fn beyond_guard(&self) -> u32 {
+        self.guard.exceeded()
     }
 
     /// Records the stored energy of a contact that restarts: opens the ledger, or records the change while the contact

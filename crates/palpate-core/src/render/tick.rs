@@ -3,7 +3,6 @@
 use crate::Scalar;
 use crate::actuator::{Actuator, Ahead, Command, Held, Piece};
 use crate::energy::Closing;
-use crate::guard::Guard;
 use crate::motion::{ObjectState, Rule, Start};
 use crate::sample::{Fault, Limited, Output, Phase, Sample};
 
@@ -16,8 +15,8 @@ const NOMINAL_WITHIN: f64 = 1e-6;
 
 /// Force on the device over an interval that has ended.
 struct Passed<S> {
-    /// Mean force by the actuation model, as recorded in the ledger `[N]`.
-    recorded: S,
+    /// Force by the actuation model, as recorded in the ledger.
+    recorded: Held<S>,
     /// Force by the estimated actuation.
     passed: Piece<S>,
 }
@@ -54,7 +53,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             None => {
                 let passed = state.under_way.pass(&self.actuator, h);
                 Passed {
-                    recorded: passed.held.mean,
+                    recorded: passed.held,
                     passed,
                 }
             }
@@ -65,7 +64,10 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         };
         match self.try_step(state, &sample, elapsed, &passed, adds) {
             Ok(output) => output,
-            Err(fault) => self.wait(state, &sample, fault),
+            Err(fault) => {
+                self.lose_interval(state, passed.recorded.mean, h);
+                self.wait(state, &sample, fault)
+            }
         }
     }
 
@@ -145,6 +147,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 if !traces.lead_to(device, elapsed, self.speed_limit) {
                     return Err(Fault::JumpTooFast);
                 }
+                self.lose_interval(state, recorded.mean, elapsed);
             }
             DeviceTrack::Tracked(interval) => {
                 let device_moved = device - interval.device;
@@ -190,15 +193,21 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 } else {
                     interval.start.virtual_force
                 };
-                let held_force = interval.reported.unwrap_or(*recorded);
+                let recorded = Held {
+                    mean: interval.reported.unwrap_or(recorded.mean),
+                    ..*recorded
+                };
                 let closed = state.ledger.close(&Closing {
                     stored: self.stored_energy(device - object.position, object.velocity),
-                    port_work: held_force * device_moved,
+                    port_work: recorded.mean * device_moved,
                     virtual_force_work: virtual_force * moved.by,
                     original_work: interval.original_force * device_moved,
                 });
                 if !closed {
                     return Err(Fault::Overflow);
+                }
+                if let Some(params) = self.loop_params.guard.params() {
+                    state.guard.pass(params, &recorded, device_moved, elapsed);
                 }
                 previous_penetration = Some(interval.start.penetration);
             }
@@ -274,16 +283,12 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             (wanted, limited) = self.bounded(sum, limited);
         }
         let mut commanded = self.slewed(wanted, state.commanded, elapsed, &mut limited);
-        // With the actuation of the loop, as in the ledger.
-        let claims = || Ahead::new(&self.actuator, &state.under_way).impulse_to_come();
-        let balance = state.ledger.balance();
-        if let Some((bound, kept)) = self.guard_bound(balance, claims)
-            && let bound = bound / gain
-            && commanded.abs() > bound
+        if let Some([push, pull]) = self.guard_bounds(state)
+            && !(-pull <= commanded && commanded <= push)
         {
             limited.guard = true;
-            if kept {
-                commanded = commanded.within(bound);
+            if self.loop_params.guard.limits() {
+                commanded = commanded.min(push).max(-pull);
             }
         }
         state.commanded = commanded;
@@ -379,14 +384,24 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
     }
 
-    /// Returns the largest force that the guard permits, and whether the guard keeps the bound.
+    /// Returns the largest push and pull that the guard permits, as commands `[N]`.
     #[inline(always)]
-    fn guard_bound(&self, balance: S, claims: impl FnOnce() -> S) -> Option<(S, bool)> {
-        if self.loop_params.guard == Guard::Off {
-            return None;
-        }
+    fn guard_bounds(&self, state: &State<S, M::Memory>) -> Option<[S; 2]> {
+        let params = self.loop_params.guard.params()?;
         let period = self.motion.period();
-        self.loop_params.guard.bound(balance, claims(), period)
+        // With the actuation of the loop, as in the ledger.
+        let pending = Ahead::new(&self.actuator, &state.under_way).pending(period);
+        let balance = state.ledger.balance();
+        let bounds = state.guard.bounds(params, balance, &pending, period);
+        Some(bounds.map(|bound| bound / self.actuator.gain()))
+    }
+
+    /// Charges the guard for an interval of `h` `[s]` without a position at both ends, in which `force` `[N]` acted.
+    #[inline]
+    fn lose_interval(&self, state: &mut State<S, M::Memory>, force: S, h: S) {
+        if let Some(params) = self.loop_params.guard.params() {
+            state.guard.lose(params, force, h);
+        }
     }
 
     /// Handles an unusable sample: zero force, and the object waits at its position.

@@ -90,6 +90,7 @@ fn the_guard_holds_in_every_tick_of_a_change() {
     let guard = GuardParams {
         largest_speed: 1.0,
         allowance: 1e-4,
+        hand: None,
     };
     // The device strikes, and a damper without a guard responds with 84 N.
     const CHANGE: i32 = 3;

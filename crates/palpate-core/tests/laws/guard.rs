@@ -12,6 +12,7 @@ const SPEED: f64 = 1.0;
 const GUARD: GuardParams<f64> = GuardParams {
     largest_speed: SPEED,
     allowance: ALLOWANCE,
+    hand: None,
 };
 const WEIGHT: f64 = -0.5;
 /// Number of moves of an attack.
@@ -371,6 +372,7 @@ fn a_guard_without_meaning_is_refused() {
         let guard = Guard::Limit(GuardParams {
             largest_speed,
             allowance,
+            hand: None,
         });
         let l = LoopParams {
             guard,

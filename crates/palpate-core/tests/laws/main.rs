@@ -10,6 +10,7 @@ mod desk;
 mod faults;
 mod geometry;
 mod guard;
+mod guard_attack;
 mod hfcr;
 mod ledger;
 mod limits;

@@ -4,9 +4,9 @@ use std::fmt::Debug;
 
 use crate::common::methods;
 use palpate_core::{
-    Actuation, AnyParams, Contact, EntryHold, Guard, GuardParams, HfcrParams, LeakDissipation,
-    LoopParams, Mass, ObjectState, PopcParams, PopcRefParams, SehEstimate, SehParams, Side,
-    VirtualDamperParams,
+    Actuation, AnyParams, Contact, EntryHold, Guard, GuardParams, HandBound, HfcrParams,
+    LeakDissipation, LoopParams, Mass, ObjectState, PopcParams, PopcRefParams, SehEstimate,
+    SehParams, Side, VirtualDamperParams,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -49,6 +49,12 @@ fn every_parameter_type_comes_back_from_json_and_toml() {
         guard: Guard::Limit(GuardParams {
             largest_speed: 1.0,
             allowance: 1e-3,
+            hand: Some(HandBound {
+                acceleration: 80.0,
+                least_mass: 0.1,
+                quantum: 1e-5,
+                recovery: 0.01,
+            }),
         }),
     });
     for mass in [Mass::Finite(0.1), Mass::Infinite] {
