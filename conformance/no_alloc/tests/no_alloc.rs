@@ -136,8 +136,8 @@ fn a_renderer_is_made_started_and_stepped_without_allocating() {
 #[test]
 fn a_mesh_is_touched_without_allocating() {
     use palpate_world::{
-        BasicParams, Body, Contact, ContactLaw, CoupledParams, GodObjectParams, Mesh, Motion,
-        Party, Sample, Shape, Tool, World, WorldLoop, WorldMethod, WorldRenderer,
+        BasicParams, Body, Contact, ContactLaw, CoupledParams, GodObjectParams, HfcrParams, Mesh,
+        Motion, Party, Sample, Shape, Tool, World, WorldLoop, WorldMethod, WorldRenderer,
     };
     // Egg box of 2 mm on 100 mm, with triangles of 1 mm.
     let cells = 100;
@@ -164,7 +164,8 @@ fn a_mesh_is_touched_without_allocating() {
                     .with_friction(0.5),
             }],
         };
-        let methods: [WorldMethod; 3] = [
+        let methods: [WorldMethod; 4] = [
+            HfcrParams::default().into(),
             BasicParams::default().into(),
             GodObjectParams {
                 stiffness: vec![2000.0],
@@ -203,9 +204,9 @@ fn a_mesh_is_touched_without_allocating() {
 #[test]
 fn points_touch_a_grid_without_allocating() {
     use palpate_world::{
-        BasicParams, Body, Contact, ContactLaw, CoupledParams, DistanceGrid, Mesh, Motion, Party,
-        PointShell, Sample, Shape, Tool, VirtualCouplingParams, World, WorldLoop, WorldMethod,
-        WorldRenderer,
+        BasicParams, Body, Contact, ContactLaw, CoupledParams, DistanceGrid, HfcrParams, Mesh,
+        Motion, Party, PointShell, Sample, Shape, Tool, VirtualCouplingParams, World, WorldLoop,
+        WorldMethod, WorldRenderer,
     };
     use std::sync::Arc;
     let block = |half: f64| {
@@ -232,7 +233,8 @@ fn points_touch_a_grid_without_allocating() {
                 .with_friction(0.5),
         }],
     };
-    let methods: [WorldMethod; 3] = [
+    let methods: [WorldMethod; 4] = [
+        HfcrParams::default().into(),
         BasicParams::default().into(),
         VirtualCouplingParams {
             stiffness: vec![1000.0],
@@ -271,9 +273,9 @@ fn points_touch_a_grid_without_allocating() {
 #[test]
 fn a_world_is_stepped_without_allocating() {
     use palpate_world::{
-        BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Joint, JointKind, JointLaw,
-        Motion, Party, Sample, Shape, Tool, VirtualCouplingParams, World, WorldLoop, WorldMethod,
-        WorldRenderer,
+        BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, HfcrParams, Joint, JointKind,
+        JointLaw, Motion, Party, Sample, Shape, Tool, VirtualCouplingParams, World, WorldLoop,
+        WorldMethod, WorldRenderer,
     };
     let half_space = Shape::HalfSpace {
         normal: [0.0, 0.0, 1.0],
@@ -321,7 +323,8 @@ fn a_world_is_stepped_without_allocating() {
         mass: vec![0.05],
         ..VirtualCouplingParams::default()
     };
-    let methods: [WorldMethod; 3] = [
+    let methods: [WorldMethod; 4] = [
+        HfcrParams::default().into(),
         BasicParams::default().into(),
         coupling.into(),
         CoupledParams::new(vec![[0.1, 0.2, f64::INFINITY]]).into(),
@@ -366,8 +369,8 @@ fn a_world_is_stepped_without_allocating() {
 #[test]
 fn cylinders_are_touched_without_allocating() {
     use palpate_world::{
-        BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Hull, Motion, Party, Sample,
-        Shape, Tool, World, WorldLoop, WorldMethod, WorldRenderer,
+        BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, HfcrParams, Hull, Motion,
+        Party, Sample, Shape, Tool, World, WorldLoop, WorldMethod, WorldRenderer,
     };
     use std::sync::Arc;
     let half_space = Shape::HalfSpace {
@@ -420,7 +423,8 @@ fn cylinders_are_touched_without_allocating() {
             })
             .into(),
     };
-    let methods: [WorldMethod; 2] = [
+    let methods: [WorldMethod; 3] = [
+        HfcrParams::default().into(),
         BasicParams::default().into(),
         CoupledParams::new(vec![[0.15; 3]])
             .with_device_inertia(vec![[4e-5; 3]])

@@ -41,7 +41,9 @@ pub use integration::interval::{Effort, SubSteps};
 pub use method::change::Succession;
 pub use method::renderer::WorldRenderer;
 pub use method::state::{BodyState, ContactState, ToolState, WorldState};
-pub use method::{BasicParams, CoupledParams, GodObjectParams, VirtualCouplingParams, WorldMethod};
+pub use method::{
+    BasicParams, CoupledParams, GodObjectParams, HfcrParams, VirtualCouplingParams, WorldMethod,
+};
 
 /// A vector along the axes of the world frame, for example a position `[m]` or a force `[N]`.
 pub type Vector = [f64; 3];

@@ -1,8 +1,8 @@
 //! Construction of a world's renderer from its scene.
 
 use palpate_world::{
-    BasicParams, CoupledParams, GodObjectParams, Tool, VirtualCouplingParams, WorldError,
-    WorldField, WorldGuard, WorldLoop, WorldMethod, WorldPart, WorldRenderer,
+    BasicParams, CoupledParams, GodObjectParams, HfcrParams, Tool, VirtualCouplingParams,
+    WorldError, WorldField, WorldGuard, WorldLoop, WorldMethod, WorldPart, WorldRenderer,
 };
 
 use super::{Coupling, WorldRender, WorldScene};
@@ -43,6 +43,13 @@ impl WorldSettings {
                 .into(),
                 None => return Err(fault("virtual-damper needs damping_n_s_per_m")),
             },
+            "hfcr-mod" => HfcrParams::modified_force_only().into(),
+            "hfcr-mod-st" => HfcrParams::default().into(),
+            "hfcr" => HfcrParams {
+                damping: self.damping.map(each).unwrap_or_default(),
+                ..HfcrParams::default()
+            }
+            .into(),
             "virtual-coupling" => {
                 let all = (self.damping, coupling.stiffness, coupling.mass);
                 let (Some(damping), Some(stiffness), Some(mass)) = all else {
@@ -109,9 +116,12 @@ const ALONG: f64 = 1e-9;
 
 impl WorldScene {
     /// Names of the methods that render worlds.
-    pub const METHODS: [&str; 5] = [
+    pub const METHODS: [&str; 8] = [
         "basic",
         "virtual-damper",
+        "hfcr-mod",
+        "hfcr-mod-st",
+        "hfcr",
         "virtual-coupling",
         "god-object",
         "coupled",

@@ -200,9 +200,11 @@ impl Nearby {
 /// Returns twice the distance by which two parts may approach each other within `h` `[s]`, at these distances from
 /// their centres `[m]`.
 pub(crate) fn approach(first: &Part, second: &Part, of_first: f64, of_second: f64, h: f64) -> f64 {
-    let relative = (first.rigid.velocity - second.rigid.velocity).norm();
+    let velocity = |part: &Part| part.rigid.velocity + part.step.velocity;
+    let turning = |part: &Part| (part.twist.turning + part.step.turning).norm();
+    let relative = (velocity(first) - velocity(second)).norm();
     let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
-    let turns = first.twist.turning.norm() * of_first + second.twist.turning.norm() * of_second;
+    let turns = turning(first) * of_first + turning(second) * of_second;
     (relative + turns + pushed * h) * 2.0 * h
 }
 

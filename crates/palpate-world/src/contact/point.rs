@@ -80,6 +80,7 @@ pub(crate) struct Held {
 }
 
 /// Overlap of a point and a solid.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Met {
     /// Penetration, not above 0 if apart `[m]`.
     pub penetration: f64,
@@ -89,6 +90,16 @@ pub(crate) struct Met {
     pub slope: f64,
     /// Midpoint between the two surfaces `[m]`.
     pub place: Vector3,
+}
+
+impl Met {
+    /// Returns the same place without overlap.
+    pub fn apart(self) -> Self {
+        Self {
+            penetration: 0.0,
+            ..self
+        }
+    }
 }
 
 impl Touch {
@@ -203,6 +214,29 @@ impl Touch {
         self.penetration = met.penetration;
         self.normal_force = met.slope * push;
         self.by_damping = met.slope * (push - law.stiffness * met.penetration);
+    }
+
+    /// Applies a penetration that may be negative, of a contact with a held tool: its spring pulls until the contact
+    /// is released. Damping does not pull.
+    pub fn press_held(&mut self, point: &Point, met: &Met, approach: f64) {
+        if met.penetration > 0.0 {
+            self.press(point, met, approach);
+            return;
+        }
+        if self.is_apart() {
+            self.normal = met.normal;
+        }
+        let law = &point.law;
+        self.expected = approach;
+        let damping = (law.damping * met.slope * (approach + self.missed)).max(0.0);
+        self.penetration = met.penetration;
+        self.by_damping = met.slope * damping;
+        self.normal_force = met.slope * law.stiffness * met.penetration + self.by_damping;
+    }
+
+    /// Returns the part of the force on the first due to damping `[N]`.
+    pub fn damping_force(&self) -> Vector3 {
+        self.normal * self.by_damping + self.by_rubbing
     }
 
     /// Transports the bristle with the contact plane, adds the earlier slip and the slip `way` `[m]`, and limits it

@@ -94,6 +94,8 @@ pub(crate) struct Part {
     pub way: f64,
     /// Upper bound of its rotation since the interval began `[rad]`.
     pub turned: f64,
+    /// Predicted twist of a tool that its contacts hold over the interval; zero for all others.
+    pub step: Twist,
 }
 
 impl Part {
@@ -117,6 +119,7 @@ impl Part {
             turning_error: 0.0,
             way: 0.0,
             turned: 0.0,
+            step: Twist::none(),
         }
     }
 

@@ -153,6 +153,7 @@ pub(crate) fn advance(
 ) -> Effort {
     moving.gather(points, h);
     moving.look_at_all();
+    moving.begin_holding(points);
     before.nearby.copy_from(&moving.nearby);
     let fastest = fastest(moving, points, h);
     let mut effort = integrate(moving, before, points, fastest, sub_steps, MAX_TIMES, h);
@@ -360,11 +361,13 @@ fn may_touch(moving: &Moving, number: usize, point: &Point, h: f64) -> bool {
         return -found.penetration < reach_of_blocks(first, second, &moving.blocks[blocks], h);
     }
     let centre = point.centre_of(&first.rigid);
-    let relative: Vector3 = first.rigid.velocity - second.rigid.velocity;
+    let relative: Vector3 =
+        first.rigid.velocity + first.step.velocity - second.rigid.velocity - second.step.velocity;
     let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
-    let mut turns = first.twist.turning.norm() * point.lever;
+    let mut turns = (first.twist.turning + first.step.turning).norm() * point.lever;
     if point.second < moving.tools {
-        turns += second.twist.turning.norm() * (centre - second.rigid.position).norm();
+        let turning = (second.twist.turning + second.step.turning).norm();
+        turns += turning * (centre - second.rigid.position).norm();
     }
     let reach = point.radius + (relative.norm() + turns + pushed * h) * 2.0 * h;
     match point.solid {

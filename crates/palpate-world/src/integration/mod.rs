@@ -1,5 +1,7 @@
 //! Integration of the motion over an interval between samples.
 
+pub(crate) mod held_load;
+pub(crate) mod held_tools;
 pub(crate) mod interval;
 pub(crate) mod interval_ledger;
 pub(crate) mod moving;

@@ -10,6 +10,7 @@ use crate::dynamics::moving_body::{Part, Twist};
 use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::{Nearest, Solid};
+use crate::integration::held_tools::HeldTools;
 use crate::integration::interval::SubStepped;
 
 /// A world in motion.
@@ -32,6 +33,8 @@ pub(crate) struct Moving {
     pub carried: Vec<Option<Carried>>,
     /// Whether contact dampers add the prediction error of the last sub-step to the velocity that they expect.
     pub expects_the_missed: bool,
+    /// Tools that each contact holds at its own place; empty for other methods.
+    pub held: HeldTools,
 }
 
 impl Moving {
@@ -141,6 +144,12 @@ impl Moving {
         self.look_at_shapes(points);
         for &number in self.nearby.numbers() {
             let (touch, point) = (&mut self.touches[number], &points[number]);
+            if self.held.is_holding && point.tool(self.tools).is_some() {
+                let shapes = (&self.surfaces[..], &self.blocks[..]);
+                self.held
+                    .meet(number, point, touch, &mut self.parts, shapes, half);
+                continue;
+            }
             if let Solid::Mesh { surface, point, .. } = point.solid
                 && touch.is_apart()
                 && self.surfaces[surface].found(point).is_none()
@@ -188,6 +197,11 @@ impl Moving {
                 touch.clear = moved - NEARER * met.penetration;
             }
         }
+        if self.held.is_holding {
+            let numbers = self.nearby.numbers();
+            self.held
+                .release_pairs(numbers, points, &mut self.touches, &mut self.parts);
+        }
         for link in &mut self.links {
             link.meet(&mut self.parts);
         }
@@ -199,6 +213,10 @@ impl Moving {
         for part in &mut self.parts {
             part.force = Vector3::zeros();
             part.torque = Vector3::zeros();
+        }
+        if self.held.is_holding {
+            self.look_at_held_shapes(points);
+            return;
         }
         for surface in &mut self.surfaces {
             let [first, second] = surface.parts().map(|number| &self.parts[number].rigid);
@@ -228,7 +246,7 @@ impl Moving {
 
 /// Returns the overlap of a point of the first part with the solid of the second.
 #[inline(always)]
-fn overlap(
+pub(super) fn overlap(
     point: &Point,
     [first, second]: [&Part; 2],
     surfaces: &[Surface],
@@ -287,6 +305,7 @@ impl SubStepped for Moving {
         for &number in self.nearby.numbers() {
             self.touches[number].copy_from(&other.touches[number]);
         }
+        self.held.copy_near_from(&other.held, self.nearby.numbers());
         self.copy_between(other);
     }
 
@@ -318,7 +337,14 @@ impl SubStepped for Moving {
         for part in self.moving_parts() {
             part.drift(h);
         }
+        if self.held.is_holding {
+            self.add_held_damping(points, half);
+            self.held.move_on(&mut self.parts, h);
+        }
         self.meet(points, half);
+        if self.held.is_holding {
+            self.add_held_damping(points, half);
+        }
         for part in self.moving_parts() {
             part.second_push(half);
         }
@@ -369,7 +395,7 @@ fn tool_of<'a>(parts: &'a [Part], point: &Point, tools: usize) -> Option<(&'a Pa
 }
 
 /// Returns the velocity of the first's material at `place` relative to the second's `[m/s]`.
-fn relative(
+pub(super) fn relative(
     first: &Part,
     of_first: &Twist,
     second: &Part,

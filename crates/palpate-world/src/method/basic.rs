@@ -141,7 +141,7 @@ impl Basic {
 
     /// Moves a tool to its device at `position` `[m]`, and adds the work at its port.
     #[inline]
-    fn move_tool(
+    pub(super) fn move_tool(
         renderer: &WorldRenderer,
         state: &mut Progress,
         tool: usize,
@@ -181,7 +181,7 @@ impl Basic {
 
     /// Adds the energy that the motion of the tools has given to their contacts.
     #[inline]
-    fn account_contacts(renderer: &WorldRenderer, state: &mut Progress) {
+    pub(super) fn account_contacts(renderer: &WorldRenderer, state: &mut Progress) {
         for (number, (entry, point)) in state
             .ledger
             .contacts

@@ -525,7 +525,7 @@ const MIN_TORQUE: f64 = 1e-8;
 
 /// Exchanges the triangles that two motions have gathered around the spheres. Both passes of a tick visit the same
 /// regions of the meshes, so the motion that begins needs the triangles that the other gathered last.
-fn exchange_gathered(begins: &mut Moving, other: &mut Moving) {
+pub(super) fn exchange_gathered(begins: &mut Moving, other: &mut Moving) {
     for (surface, other) in begins.surfaces.iter_mut().zip(&mut other.surfaces) {
         surface.exchange_gathered(other);
     }

@@ -14,6 +14,7 @@ mod coupled_turning;
 pub(crate) mod far_side;
 mod god_object;
 mod god_object_proxy;
+mod hfcr;
 pub(crate) mod renderer;
 pub(crate) mod state;
 mod virtual_coupling;
@@ -21,14 +22,17 @@ mod virtual_coupling;
 pub use basic::BasicParams;
 pub use coupled_params::CoupledParams;
 pub use god_object::GodObjectParams;
+pub use hfcr::HfcrParams;
 pub use virtual_coupling::VirtualCouplingParams;
 
 use crate::geometry::rigid::Vector3;
+use crate::integration::held_tools::HeldTools;
 use crate::method::state::Progress;
 use crate::{Effort, Limited, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
 use basic::Basic;
 use coupled::{Coupled, CoupledMemory};
 use god_object::{GodObject, GodObjectMemory};
+use hfcr::{Hfcr, HfcrMemory};
 use virtual_coupling::{VirtualCoupling, VirtualCouplingMemory};
 
 /// A rendering method with its parameters.
@@ -41,6 +45,8 @@ pub enum WorldMethod {
     VirtualCoupling(VirtualCouplingParams),
     /// Spring and damper between each device and a proxy that stays on the surface, for comparison.
     GodObject(GodObjectParams),
+    /// Force whose work along the predicted step of each device is the change of the contacts' energy.
+    Hfcr(HfcrParams),
     /// Prediction of devices and world together; the mean force is held.
     Coupled(CoupledParams),
 }
@@ -53,6 +59,7 @@ impl WorldMethod {
             Self::Basic(_) => "basic",
             Self::VirtualCoupling(_) => "virtual-coupling",
             Self::GodObject(_) => "god-object",
+            Self::Hfcr(params) => params.name(),
             Self::Coupled(_) => "coupled",
         }
     }
@@ -62,6 +69,7 @@ impl WorldMethod {
             Self::Basic(params) => params.check(tools.len()).map(Checked::Basic),
             Self::VirtualCoupling(params) => params.check(tools).map(Checked::VirtualCoupling),
             Self::GodObject(params) => params.check(tools).map(Checked::GodObject),
+            Self::Hfcr(params) => params.check(tools.len()).map(Checked::Hfcr),
             Self::Coupled(params) => params.check(tools).map(Checked::Coupled),
         }
     }
@@ -85,6 +93,12 @@ impl From<GodObjectParams> for WorldMethod {
     }
 }
 
+impl From<HfcrParams> for WorldMethod {
+    fn from(params: HfcrParams) -> Self {
+        Self::Hfcr(params)
+    }
+}
+
 impl From<CoupledParams> for WorldMethod {
     fn from(params: CoupledParams) -> Self {
         Self::Coupled(params)
@@ -97,6 +111,7 @@ pub(crate) enum Checked {
     Basic(Basic),
     VirtualCoupling(VirtualCoupling),
     GodObject(GodObject),
+    Hfcr(Hfcr),
     Coupled(Coupled),
 }
 
@@ -106,6 +121,7 @@ pub(crate) enum Memory {
     Basic,
     VirtualCoupling(VirtualCouplingMemory),
     GodObject(GodObjectMemory),
+    Hfcr(HfcrMemory),
     Coupled(CoupledMemory),
 }
 
@@ -113,7 +129,7 @@ impl Checked {
     /// Returns the initial inverse moments of inertia of a tool that contacts turn `[1/(kg m^2)]`.
     pub fn angular_mobility(&self, tool: usize) -> Vector3 {
         match self {
-            Self::Basic(_) | Self::GodObject(_) => Vector3::zeros(),
+            Self::Basic(_) | Self::GodObject(_) | Self::Hfcr(_) => Vector3::zeros(),
             Self::VirtualCoupling(coupling) => coupling.angular_mobility(tool),
             Self::Coupled(coupled) => coupled.turning_priors[tool]
                 .filter(|prior| !prior.led)
@@ -126,6 +142,14 @@ impl Checked {
         matches!(self, Self::GodObject(_))
     }
 
+    /// Returns the state of tools that each contact holds at its own place, empty for other methods.
+    pub fn held_tools(&self, renderer: &WorldRenderer) -> HeldTools {
+        match self {
+            Self::Hfcr(hfcr) => hfcr.held_tools(renderer),
+            _ => HeldTools::default(),
+        }
+    }
+
     pub fn memory(&self, renderer: &WorldRenderer) -> Memory {
         match self {
             Self::Basic(_) => Memory::Basic,
@@ -136,6 +160,7 @@ impl Checked {
                 let points = renderer.points.len();
                 Memory::GodObject(GodObjectMemory::new(renderer.tools, points))
             }
+            Self::Hfcr(_) => Memory::Hfcr(HfcrMemory::new(renderer.points.len())),
             Self::Coupled(coupled) => {
                 Memory::Coupled(CoupledMemory::new(coupled, renderer.loop_params().period))
             }
@@ -185,6 +210,9 @@ impl Checked {
             (Self::GodObject(god_object), Memory::GodObject(memory)) => {
                 god_object.conclude(renderer, state, memory, positions, elapsed)
             }
+            (Self::Hfcr(_), Memory::Hfcr(memory)) => {
+                Hfcr::conclude(renderer, state, memory, positions, elapsed)
+            }
             _ => Basic::conclude(renderer, state, positions, elapsed),
         }
     }
@@ -206,6 +234,7 @@ impl Checked {
             (Self::GodObject(god_object), Memory::GodObject(memory)) => {
                 god_object.plan(state, memory)
             }
+            (Self::Hfcr(hfcr), Memory::Hfcr(memory)) => hfcr.plan(renderer, state, memory),
             (Self::Basic(basic), _) => basic.plan(renderer, state),
             // The state belongs to another renderer.
             _ => Effort::default(),
@@ -224,6 +253,7 @@ impl Memory {
             (Self::GodObject(memory), Self::GodObject(before)) => {
                 memory.goes_on_from(before, points);
             }
+            (Self::Hfcr(memory), Self::Hfcr(before)) => memory.goes_on_from(before, points),
             (Self::Coupled(memory), Self::Coupled(before)) => memory.copy_from(before),
             _ => {}
         }
@@ -232,7 +262,7 @@ impl Memory {
     /// Writes the method's estimate of the tools.
     pub fn publish(&self, state: &mut Progress) {
         match self {
-            Self::Basic => Basic::publish(state),
+            Self::Basic | Self::Hfcr(_) => Basic::publish(state),
             Self::VirtualCoupling(memory) => memory.publish(state),
             Self::GodObject(memory) => memory.publish(state),
             Self::Coupled(memory) => memory.publish(state),

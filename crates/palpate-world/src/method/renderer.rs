@@ -160,6 +160,7 @@ impl WorldRenderer {
             links: self.links.clone(),
             carried: vec![None; self.carried()],
             expects_the_missed: false,
+            held: self.method.held_tools(self),
         };
         let side = |number: usize| Side::new(number, self.tools);
         let contacts = self.points.iter().map(|point| ContactState {

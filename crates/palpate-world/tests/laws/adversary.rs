@@ -2,8 +2,8 @@
 
 use palpate_core::Fault;
 use palpate_world::{
-    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Sample, Shape,
-    Tool, Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, HfcrParams, Motion, Party, Sample,
+    Shape, Tool, Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,
 };
 use proptest::prelude::*;
 
@@ -44,7 +44,7 @@ fn crowded() -> World {
     world
 }
 
-fn methods() -> [WorldMethod; 3] {
+fn methods() -> [WorldMethod; 4] {
     let coupled = CoupledParams::new(vec![[0.1, 0.2, 0.3]; 2]).with_encoder_quantum(1e-5);
     [
         BasicParams {
@@ -57,6 +57,11 @@ fn methods() -> [WorldMethod; 3] {
             damping: vec![1.0; 2],
             mass: vec![0.05; 2],
             ..VirtualCouplingParams::default()
+        }
+        .into(),
+        HfcrParams {
+            damping: vec![1.0; 2],
+            ..HfcrParams::default()
         }
         .into(),
         coupled.into(),

@@ -2,8 +2,8 @@
 
 use palpate_world::{
     BasicParams, Body, BodyState, Contact, ContactLaw, ContactState, CoupledParams, Free,
-    GodObjectParams, IDENTITY, Joint, JointKind, JointLaw, Mode, Motion, Party, Sample, Shape,
-    Side, Tool, Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldPart,
+    GodObjectParams, HfcrParams, IDENTITY, Joint, JointKind, JointLaw, Mode, Motion, Party, Sample,
+    Shape, Side, Tool, Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldPart,
     WorldRenderer, WorldState,
 };
 
@@ -30,7 +30,7 @@ pub fn on_floor() -> World {
     world(0.005, bodies, law)
 }
 
-pub fn methods() -> [WorldMethod; 4] {
+pub fn methods() -> [WorldMethod; 5] {
     [
         BasicParams::default().into(),
         VirtualCouplingParams {
@@ -45,6 +45,7 @@ pub fn methods() -> [WorldMethod; 4] {
             damping: vec![1.0],
         }
         .into(),
+        HfcrParams::default().into(),
         CoupledParams::new(vec![[0.1; 3]]).into(),
     ]
 }

@@ -23,6 +23,7 @@ mod god_object;
 mod grasp;
 mod guard;
 mod held;
+mod hfcr;
 mod hulls;
 mod ideal;
 mod joints;

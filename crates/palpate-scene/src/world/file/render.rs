@@ -211,12 +211,13 @@ struct WorldSetting {
 const DAMPER: &str = "virtual-damper";
 const COUPLING: &str = "virtual-coupling";
 const GOD_OBJECT: &str = "god-object";
+const HFCR: &str = "hfcr";
 
 const SETTINGS: [WorldSetting; 6] = [
     WorldSetting {
         key: "damping_n_s_per_m",
         range: Range::NotNegative,
-        methods: &[DAMPER, COUPLING, GOD_OBJECT],
+        methods: &[DAMPER, HFCR, COUPLING, GOD_OBJECT],
         field: |settings| &mut settings.damping,
     },
     WorldSetting {

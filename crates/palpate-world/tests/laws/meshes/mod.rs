@@ -1,6 +1,6 @@
 //! Contact with triangle meshes, compared with the shapes that they approximate.
 
-mod common;
+pub mod common;
 mod distance_grid;
 mod grids;
 mod moving;
