@@ -174,7 +174,7 @@ impl Reading<'_> {
         let force_at = raw.hand.force_at.map(Spanned::into_inner);
         let start = position.as_ref().map_or(at.clone(), Spanned::span);
         let position = places.take_or(Of::DevicePosition, position, 0.0);
-        let linkage = named_linkage(&linkage, self.name, files).and_then(|linkage| {
+        let linkage = named_linkage(&linkage, &self.source.name, files).and_then(|linkage| {
             let Some(bounds) = raw.safety_box else {
                 return Ok(linkage);
             };

@@ -19,6 +19,7 @@ use super::raw::{RawBody, RawContact, RawMeasure, RawScene};
 use super::raw_settings::{MethodPlaces, RawSettings};
 use super::recover::Fault;
 use super::scene_file::Tables;
+use super::source::Source;
 use super::timing::Timing;
 use super::{Measure, Scene, SetupError};
 use crate::method::{MethodName, Setting, Settings, SettingsError, UnknownMethod, method_named};
@@ -36,8 +37,7 @@ const DURATION: f64 = 0.5;
 pub struct ContactFile {
     /// The scene.
     pub scene: Scene,
-    name: String,
-    source: String,
+    source: Source,
     places: HashMap<SceneParameter, ops::Range<usize>>,
     methods: HashMap<MethodName, MethodPlaces>,
 }
@@ -63,24 +63,31 @@ impl ContactFile {
     /// All errors in the scene file and, with that file's name, the first in the device file; each with its line, its
     /// column and the allowed values. A scene with more than one contact along one axis.
     pub fn parse_with(name: &str, source: &str, files: Files<'_>) -> Result<Self, SceneErrors> {
-        let tables = Tables::read(name, source)?;
+        Self::parse_edited(&Source::new(name, source), files)
+    }
+
+    /// Reads a scene with edits, as [`parse_with`](Self::parse_with) does.
+    ///
+    /// # Errors
+    /// Those of [`parse_with`](Self::parse_with); errors in an edit name its flag.
+    pub fn parse_edited(source: &Source, files: Files<'_>) -> Result<Self, SceneErrors> {
+        let tables = Tables::read(source)?;
         match tables.raw.one_contact() {
-            Ok(axis) => Self::read((name, source), tables, axis, files),
-            Err(why) => Err(tables
-                .errors(name, source)
-                .unwrap_or_else(|| why.needed(name, source))),
+            Ok(axis) => Self::read(source, tables, axis, files),
+            Err(why) => Err(source
+                .errors(tables.faults)
+                .unwrap_or_else(|| why.needed(source))),
         }
     }
 
     /// Reads a scene of one contact from the tables of its file.
     pub(crate) fn read(
-        (name, source): (&str, &str),
+        source: &Source,
         tables: Tables,
         axis: OneAxis,
         files: Files<'_>,
     ) -> Result<Self, SceneErrors> {
         let mut reading = Reading {
-            name,
             source,
             axis,
             faults: Vec::new(),
@@ -180,14 +187,13 @@ impl ContactFile {
     }
 
     fn at_span(&self, span: Option<ops::Range<usize>>, message: String) -> SceneError {
-        SceneError::at(&self.name, &self.source, span.unwrap_or(0..0), message)
+        self.source.error(span.unwrap_or(0..0), message)
     }
 }
 
 /// A partially read scene file with its errors.
 pub(crate) struct Reading<'a> {
-    pub name: &'a str,
-    source: &'a str,
+    pub source: &'a Source,
     pub axis: OneAxis,
     pub faults: Vec<SceneError>,
     /// Tables that keys at fault were taken out of.
@@ -196,7 +202,7 @@ pub(crate) struct Reading<'a> {
 
 impl Reading<'_> {
     pub fn fault(&mut self, (span, message): Fault) {
-        let fault = SceneError::at(self.name, self.source, span, message);
+        let fault = self.source.error(span, message);
         self.faults.push(fault);
     }
 
@@ -316,8 +322,7 @@ impl Reading<'_> {
         };
         ContactFile {
             scene,
-            name: self.name.into(),
-            source: self.source.into(),
+            source: self.source.clone(),
             places: places.0,
             methods,
         }

@@ -14,9 +14,11 @@ pub(crate) type Span = Range<usize>;
 
 /// A fault in a scene file or in the device file it names, with its place.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{file}:{line}:{column}: {message}")]
+#[error("{}: {message}", self.place())]
 #[non_exhaustive]
 pub struct SceneError {
+    /// The flag at fault, with the edit that it makes in the file; `None` for a fault in the file itself.
+    pub flag: Option<String>,
     /// Name of the file.
     pub file: String,
     /// Line, from 1.
@@ -32,10 +34,19 @@ pub struct SceneError {
 }
 
 impl SceneError {
+    fn place(&self) -> String {
+        let Self {
+            file, line, column, ..
+        } = self;
+        let flag = self.flag.clone();
+        flag.unwrap_or_else(|| format!("{file}:{line}:{column}"))
+    }
+
     pub(super) fn at(file: &str, source: &str, span: Range<usize>, message: String) -> Self {
         let before = &source[..span.start.min(source.len())];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
         Self {
+            flag: None,
             file: file.into(),
             line: before.matches('\n').count() + 1,
             column: before[line_start..].chars().count() + 1,

@@ -2,8 +2,9 @@
 
 use palpate_world::{IDENTITY, Party, Quaternion, Vector};
 
-use crate::fault::{SceneError, SceneErrors, Span};
+use crate::fault::{SceneErrors, Span};
 use crate::raw::{RawBody, RawContact, RawScene};
+use crate::source::Source;
 use crate::world::per_axis::DeviceAxes;
 use crate::world::shape::{RawShape, unit};
 
@@ -55,10 +56,10 @@ impl NotOneContact {
 
 impl NotOneContact {
     /// Returns the error where one contact along one axis is needed.
-    pub fn needed(&self, name: &str, source: &str) -> SceneErrors {
+    pub fn needed(&self, source: &Source) -> SceneErrors {
         let reason = &self.reason;
         let message = format!("one contact along one axis is needed here, but {reason}");
-        SceneError::at(name, source, self.span.clone(), message).into()
+        source.error(self.span.clone(), message).into()
     }
 }
 

@@ -7,8 +7,7 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-use super::fault::in_plain_words;
-use super::toml_reader::{Missing, ReadError, from_table};
+use super::toml_reader::{Missing, from_table};
 
 /// Byte range of a fault, and its message.
 pub(super) type Fault = (Range<usize>, String);
@@ -27,25 +26,9 @@ pub(super) struct Recovered<T> {
     pub removed: HashSet<String>,
 }
 
-/// Reads `source` without the faulty keys.
-pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
+/// Reads a document without the faulty keys.
+pub(super) fn read<T: DeserializeOwned>(mut left: Spanned<DeTable<'_>>) -> Recovered<T> {
     let mut faults = Vec::new();
-    let fault = |error: &ReadError| {
-        let span = error.span().unwrap_or(0..0);
-        (span, in_plain_words(error.message()))
-    };
-    let mut left = match DeTable::parse(source) {
-        Ok(table) => table,
-        Err(error) => {
-            return Recovered {
-                read: None,
-                faults: vec![fault(&error.into())],
-                missing: HashMap::new(),
-                damaged: HashSet::new(),
-                removed: HashSet::new(),
-            };
-        }
-    };
     let (mut damaged, mut removed) = (HashSet::new(), HashSet::new());
     let mut missing = HashMap::new();
     loop {
@@ -72,7 +55,7 @@ pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
             if let Some(Missing::Key(key)) = error.missing() {
                 missing.entry(key).or_insert(faults.len());
             }
-            faults.push(fault(&error));
+            faults.push(error.fault());
         }
         let Some(key) = entry else {
             return Recovered {
@@ -155,7 +138,7 @@ mod tests {
     }
 
     fn faults(source: &str) -> (bool, Vec<String>) {
-        let Recovered { read, faults, .. } = read::<Outer>(source);
+        let Recovered { read, faults, .. } = read::<Outer>(DeTable::parse(source).unwrap());
         let mut said: Vec<_> = faults
             .into_iter()
             .map(|(span, message)| format!("{}: {message}", &source[span]))
@@ -217,16 +200,9 @@ mod tests {
                 "there is no key, and exactly one is expected",
             ),
         ] {
-            let Recovered { faults, .. } = read::<File>(source);
+            let Recovered { faults, .. } = read::<File>(DeTable::parse(source).unwrap());
             let found: Vec<_> = faults.into_iter().map(|(_, message)| message).collect();
             assert_eq!(found, [said], "{source}");
         }
-    }
-
-    #[test]
-    fn what_is_no_toml_has_one_fault() {
-        let (is_read, said) = faults("three = \n[one\n");
-        assert!(!is_read);
-        assert_eq!(said.len(), 1, "{said:?}");
     }
 }

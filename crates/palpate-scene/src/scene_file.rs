@@ -5,12 +5,14 @@ use std::path::Path;
 
 use serde::Deserialize;
 use toml::Spanned;
+use toml::de::DeTable;
 
 use super::beside::{Files, beside};
 use super::contact_file::ContactFile;
-use super::fault::{SceneError, SceneErrors};
+use super::fault::SceneErrors;
 use super::raw::RawScene;
 use super::recover::{self, Fault};
+use super::source::Source;
 use super::toml_reader;
 use crate::world::WorldFile;
 
@@ -35,34 +37,41 @@ impl SceneFile {
     /// # Errors
     /// All errors, each with its line, its column and the allowed values.
     pub fn parse(name: &str, source: &str) -> Result<Self, SceneErrors> {
-        let path = Path::new(name);
+        Self::parse_edited(&Source::new(name, source))
+    }
+
+    /// Reads a scene with edits, as [`parse`](Self::parse) does.
+    ///
+    /// # Errors
+    /// All errors; those in an edit name its flag.
+    pub fn parse_edited(source: &Source) -> Result<Self, SceneErrors> {
+        let path = Path::new(&source.name);
         let folder = path.parent().unwrap_or(Path::new(""));
-        read(name, source, folder, &mut beside(path))
+        read(source, folder, &mut beside(path))
     }
 
     /// Returns whether the world renderer renders the scene of a text, valid values or not. `false` for a text whose
     /// tables cannot be read.
     #[must_use]
     pub fn is_world(source: &str) -> bool {
-        Tables::read("", source).is_ok_and(|tables| tables.raw.one_contact().is_err())
+        Tables::read(&Source::new("", source)).is_ok_and(|tables| tables.raw.one_contact().is_err())
     }
 }
 
 /// Reads a scene. Mesh files are read from `folder`; `files` returns the text of other files by their names.
 pub(crate) fn read(
-    name: &str,
-    source: &str,
+    source: &Source,
     folder: &Path,
     files: Files<'_>,
 ) -> Result<SceneFile, SceneErrors> {
-    let tables = Tables::read(name, source)?;
+    let tables = Tables::read(source)?;
     match tables.raw.one_contact() {
         Ok(axis) => {
-            let file = ContactFile::read((name, source), tables, axis, files)?;
+            let file = ContactFile::read(source, tables, axis, files)?;
             Ok(SceneFile::Contact(Box::new(file)))
         }
         Err(_) => {
-            let file = WorldFile::read((name, source), tables, folder)?;
+            let file = WorldFile::read(source, tables, folder)?;
             Ok(SceneFile::World(Box::new(file)))
         }
     }
@@ -87,21 +96,21 @@ struct RawVersion {
 }
 
 impl Tables {
-    /// Returns the errors of keys and types; `None` if there are none.
-    pub fn errors(self, name: &str, source: &str) -> Option<SceneErrors> {
-        errors(name, source, self.faults)
-    }
-
-    /// Reads the tables of the text of a file called `name`.
+    /// Reads the tables of a scene.
     ///
     /// # Errors
-    /// All faults of keys and types, if the remaining keys are insufficient.
-    pub fn read(name: &str, source: &str) -> Result<Self, SceneErrors> {
-        let errors = |faults: Vec<Fault>| errors(name, source, faults);
-        if let Some(fault) = other_version(source) {
-            return Err(errors(vec![fault]).unwrap_or_else(|| unreachable!("there is one fault")));
+    /// All faults of keys and types, if the remaining keys are insufficient; every fault of an edit's path.
+    pub fn read(source: &Source) -> Result<Self, SceneErrors> {
+        let (document, faults) = source.document();
+        let faults = if faults.is_empty() {
+            Vec::from_iter(other_version(&document))
+        } else {
+            faults
+        };
+        if let Some(errors) = source.errors(faults) {
+            return Err(errors);
         }
-        let mut left = recover::read::<RawScene>(source);
+        let mut left = recover::read::<RawScene>(document);
         if let Some(&number) = left.missing.get("format") {
             left.faults[number].1 += "; a scene has format = 2";
         }
@@ -112,7 +121,7 @@ impl Tables {
                 damaged: left.damaged,
                 removed: left.removed,
             }),
-            (None, faults) => match errors(faults) {
+            (None, faults) => match source.errors(faults) {
                 Some(errors) => Err(errors),
                 None => unreachable!("an unreadable file has a fault"),
             },
@@ -120,18 +129,12 @@ impl Tables {
     }
 }
 
-/// Returns the errors at these faults; `None` if there are none.
-fn errors(name: &str, source: &str, faults: Vec<Fault>) -> Option<SceneErrors> {
-    let at = |(span, message)| SceneError::at(name, source, span, message);
-    SceneErrors::new(faults.into_iter().map(at).collect())
-}
-
 /// Returns the fault of a file that has another version.
-fn other_version(source: &str) -> Option<Fault> {
+fn other_version(document: &Spanned<DeTable<'_>>) -> Option<Fault> {
     let RawVersion {
         format,
         scene_format,
-    } = toml_reader::from_text(source).ok()?;
+    } = toml_reader::from_table(document).ok()?;
     if let Some(old) = scene_format {
         let message = "the key scene_format is not read; a scene has format = 2, with [[device]], [[body]] and \
                        [[contact]]";

@@ -16,6 +16,9 @@ use serde_spanned::de::is_spanned;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
+use super::fault::in_plain_words;
+use super::recover::Fault;
+
 /// Error in a table; its span is that of the innermost wrong value.
 #[derive(Debug)]
 pub(super) struct ReadError(Box<Wrong>);
@@ -50,6 +53,11 @@ impl ReadError {
     /// Returns the missing item, if one is missing.
     pub fn missing(&self) -> Option<Missing> {
         self.0.missing
+    }
+
+    /// Returns its bytes, and its message without Rust's names of types.
+    pub fn fault(&self) -> Fault {
+        (self.span().unwrap_or(0..0), in_plain_words(self.message()))
     }
 
     fn at(mut self, span: &Range<usize>) -> Self {

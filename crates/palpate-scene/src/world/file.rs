@@ -25,6 +25,7 @@ use crate::parameter::SceneParameter;
 use crate::period_question;
 use crate::raw::{RawBody, RawScene};
 use crate::scene_file::Tables;
+use crate::source::Source;
 use crate::timing::RawLoop;
 
 /// Default duration of a world `[s]`.
@@ -35,8 +36,7 @@ const DURATION: f64 = 0.5;
 pub struct WorldFile {
     /// The world and its loop.
     pub scene: WorldScene,
-    name: String,
-    source: String,
+    source: Source,
     places: WorldPlaces,
     notes: Vec<String>,
     /// Why it is not one contact along one axis, unless it is.
@@ -54,17 +54,27 @@ impl WorldFile {
         Self::parse_in(name, source, folder)
     }
 
+    /// Reads any scene as a world with edits, as [`parse`](Self::parse) does.
+    ///
+    /// # Errors
+    /// Those of [`parse`](Self::parse); errors in an edit name its flag.
+    pub fn parse_edited(source: &Source) -> Result<Self, SceneErrors> {
+        let folder = Path::new(&source.name).parent().unwrap_or(Path::new(""));
+        Self::read(source, Tables::read(source)?, folder)
+    }
+
     /// Reads a world from a text that is called `name`. Mesh files are read from `folder`.
     ///
     /// # Errors
     /// Those of [`parse`](Self::parse).
     pub fn parse_in(name: &str, source: &str, folder: &Path) -> Result<Self, SceneErrors> {
-        Self::read((name, source), Tables::read(name, source)?, folder)
+        let source = Source::new(name, source);
+        Self::read(&source, Tables::read(&source)?, folder)
     }
 
     /// Reads a world from the tables of its file.
     pub(crate) fn read(
-        (name, source): (&str, &str),
+        source: &Source,
         tables: Tables,
         folder: &Path,
     ) -> Result<Self, SceneErrors> {
@@ -79,12 +89,10 @@ impl WorldFile {
         };
         reading.refuse(&tables.raw, why.as_ref());
         let scene = reading.scene(tables.raw);
-        let at = |(span, message)| SceneError::at(name, source, span, message);
-        match SceneErrors::new(reading.faults.into_iter().map(at).collect()) {
+        match source.errors(reading.faults) {
             None => Ok(Self {
                 scene,
-                name: name.into(),
-                source: source.into(),
+                source: source.clone(),
                 places: reading.places,
                 notes: reading.notes,
                 not_one_contact: why,
@@ -101,7 +109,7 @@ impl WorldFile {
             reason: "it is read as a world".into(),
             span: 0..0,
         });
-        why.needed(&self.name, &self.source)
+        why.needed(&self.source)
     }
 
     /// Returns one line for each mesh that was read from a file: its size and its omitted parts. Further lines report a
@@ -111,11 +119,19 @@ impl WorldFile {
         &self.notes
     }
 
+    /// Returns the text of the file with the edits of flags in it.
+    ///
+    /// # Errors
+    /// The edits cannot be written.
+    pub fn edited_text(&self) -> Result<String, SceneErrors> {
+        self.source.edited_text()
+    }
+
     /// A fault at a field of a part of the world.
     #[must_use]
     pub fn at(&self, place: WorldPart, field: Field, message: String) -> SceneError {
         let span = self.places.of(place, field);
-        SceneError::at(&self.name, &self.source, span, message)
+        self.source.error(span, message)
     }
 }
 

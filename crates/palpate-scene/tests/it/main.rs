@@ -2,6 +2,7 @@
 
 mod common;
 mod device_files;
+mod edits;
 mod mesh_files;
 mod scene_files;
 mod world_joints;
