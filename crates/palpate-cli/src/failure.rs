@@ -124,11 +124,17 @@ impl Failure {
         }])
     }
 
-    /// Creates several errors in input files, each shown in its text.
+    /// Creates the errors of scene files, each shown in its text. Errors in flags alone are wrong arguments.
     pub fn inputs(faults: impl IntoIterator<Item = SceneError>) -> Self {
+        let faults: Vec<_> = faults.into_iter().collect();
+        if faults.iter().all(|fault| fault.flag.is_some()) {
+            let faults: Vec<_> = faults.iter().map(ToString::to_string).collect();
+            return Self::Arguments(faults.join("\n"));
+        }
         let faults = faults.into_iter().map(|fault| InputFault {
             message: fault.to_string(),
-            excerpt: Some(Excerpt::new(&fault.file, &fault.source_text, fault.span)),
+            excerpt: (fault.flag.is_none())
+                .then(|| Excerpt::new(&fault.file, &fault.source_text, fault.span)),
         });
         Self::Input(faults.collect())
     }

@@ -19,6 +19,7 @@ mod results;
 mod run_file;
 #[cfg(test)]
 mod schemas;
+mod seeds;
 mod setup;
 mod values;
 mod worlds;

@@ -10,7 +10,7 @@ use palpate_study::report::Report;
 use palpate_study::sim::run::Run;
 use serde::Serialize;
 
-use crate::arguments::{PlotFlags, Results, SizeFlag, TimeFlags};
+use crate::arguments::{LookFlags, PlotFlags, Results, TimeFlags};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use crate::run_file;
@@ -78,7 +78,7 @@ pub fn deliver(
     if let Some(path) = &results.picture.plot {
         begin(path);
         let figure = results.time.cut(figure())?;
-        draw(outputs, path, &figure, results.picture.size)?;
+        draw(outputs, path, &figure, &results.picture.look)?;
         report.wrote(path);
     }
     drop(progress);
@@ -161,10 +161,12 @@ impl PlotFlags {
     pub fn plan(&self, outputs: &mut Outputs) -> Result<(), Failure> {
         match &self.plot {
             Some(path) => plan_picture(outputs, "--plot", path),
-            None if self.size.size.is_some() => Err(Failure::Arguments(
-                "--size is for a figure; name its file with --plot".into(),
-            )),
-            None => Ok(()),
+            None => match self.look.given() {
+                Some(flag) => Err(Failure::Arguments(format!(
+                    "{flag} is for a figure; name its file with --plot"
+                ))),
+                None => Ok(()),
+            },
         }
     }
 }
@@ -174,9 +176,22 @@ pub fn draw(
     outputs: &Outputs,
     path: &Path,
     figure: &(impl Picture + ?Sized),
-    flag: SizeFlag,
+    look: &LookFlags,
 ) -> Result<(), Failure> {
-    let size = flag.size.unwrap_or(Size::NATURAL);
+    let size = look.size.unwrap_or(Size::NATURAL);
+    let worded = look.wording().and_then(|wording| figure.worded(&wording));
+    match worded {
+        Some(figure) => write_picture(outputs, path, &*figure, size),
+        None => write_picture(outputs, path, figure, size),
+    }
+}
+
+fn write_picture(
+    outputs: &Outputs,
+    path: &Path,
+    figure: &(impl Picture + ?Sized),
+    size: Size,
+) -> Result<(), Failure> {
     let refused = |error: SizeError| Failure::Arguments(format!("--size: {error}"));
     let bytes = match picture_format(path)? {
         PictureFormat::Svg => palpate_plot::figure::svg(figure, size)

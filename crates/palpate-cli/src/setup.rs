@@ -172,6 +172,9 @@ impl Flags {
         let needed = |value: Option<f64>, flag: &str, unit: &str| {
             value.ok_or_else(|| Failure::Arguments(format!("{command} needs {flag} <{unit}>")))
         };
+        self.edits.refuse(&format!(
+            "{command} without a scene file has no such keys; give --stiffness, --mass and the other flags"
+        ))?;
         self.check_device()?;
         self.refuse_model(command)?;
         let mut contact = Contact::object(

@@ -10,6 +10,7 @@ use crate::failure::Failure;
 
 /// Rejects flags that do not apply to a world.
 pub fn only(given: &Given, known: &[&str], path: &Path) -> Result<(), Failure> {
+    let known = &[known, &["set"]].concat();
     let Some(flag) = given.other_than(known) else {
         return Ok(());
     };
@@ -93,5 +94,5 @@ pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &[WorldError]) -> Fa
         return Failure::Arguments(format!("--method: {}", first.message));
     }
     let error = file.at(first.part, first.field, first.to_string());
-    Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
+    Failure::inputs([error])
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::report::{MethodReport, Report, Subject};
+use crate::seeded::Seeded;
 use crate::text::{
     ABSOLUTE_LEAK, E, FRE, WIDTH, digits, legend, lines, percent, plain_table, within, wrapped,
 };
@@ -71,6 +72,9 @@ pub struct SceneRows {
     pub ideal_error: f64,
     /// One entry for each method.
     pub methods: Vec<MethodRow>,
+    /// Means over several seeds with their intervals, and differences of the methods.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seeded: Option<Seeded>,
 }
 
 /// A method on a scene.
@@ -194,6 +198,7 @@ impl SceneRows {
             ideal_peak_force_n: (peak > 0.0).then_some(peak),
             ideal_error: report.ideal_error,
             methods,
+            seeded: None,
         }
     }
 
@@ -330,6 +335,9 @@ impl fmt::Display for Comparison {
                 if let Outcome::Cannot { cannot } = &method.result {
                     writeln!(f, "{}", below(&format!("cannot be set up: {cannot}")))?;
                 }
+            }
+            if let Some(seeded) = &scene.seeded {
+                write!(f, "\n{seeded}")?;
             }
         }
         let marks = format!(

@@ -29,6 +29,7 @@ pub mod recording;
 pub mod report;
 #[cfg(test)]
 mod schemas;
+pub mod seeded;
 pub mod sim;
 pub mod spread;
 pub mod suite;

@@ -1,6 +1,8 @@
 //! Sweep of one quantity of a scene, with the results of each method at each value.
 
 pub mod report;
+pub mod table;
+mod world;
 
 use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::pantograph::SafetyBox;
@@ -12,6 +14,7 @@ use crate::suite::Column;
 use crate::tune::{HEIGHTS, Spread, at_height, spread, tunable};
 use palpate_scene::method::{SettingKey, Settings};
 use palpate_scene::{Scene, SceneDevice};
+pub use world::{SweptWorld, WorldSweepError, sweep_worlds};
 
 /// The varied quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,8 +145,8 @@ pub enum SweepError {
     /// The scene cannot be run at a value.
     #[error("at {name} {value}: {error}")]
     Scene {
-        /// Name of the quantity.
-        name: &'static str,
+        /// Name of the quantity, or key of the scene.
+        name: String,
         /// The value.
         value: f64,
         /// Cause of the error.
@@ -172,18 +175,60 @@ pub fn sweep(
     {
         return Err(SweepError::NoDamping(column.name.clone()));
     }
-    if let Some(column) = columns
-        .iter()
-        .find(|column| column.candidates(scene).len() > 1)
-    {
-        return Err(SweepError::Choice(column.name.clone()));
+    check_choice(scene, columns)?;
+    at_each(values, done, |&value| {
+        let varied = with(scene, quantity, value)?;
+        let columns: Vec<Column> = columns
+            .iter()
+            .map(|column| match quantity {
+                Quantity::Damping => with_damping(column, value),
+                _ => column.clone(),
+            })
+            .collect();
+        at_value(&varied, (quantity.name(), value), &columns, over_heights)
+    })
+}
+
+/// Runs every column on scenes that differ in the value of one key; returns the results as [`sweep`] does.
+///
+/// # Errors
+/// A scene cannot be run or has no contact.
+pub fn sweep_scenes(
+    key: &str,
+    scenes: &[(f64, Scene)],
+    columns: &[Column],
+    over_heights: bool,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Vec<Swept>>, SweepError> {
+    for (_, scene) in scenes {
+        check_choice(scene, columns)?;
     }
+    at_each(scenes, done, |(value, scene)| {
+        at_value(scene, (key, *value), columns, over_heights)
+    })
+}
+
+/// Rejects a column with several dampings on the scene.
+fn check_choice(scene: &Scene, columns: &[Column]) -> Result<(), SweepError> {
+    let mut columns = columns.iter();
+    match columns.find(|column| column.candidates(scene).len() > 1) {
+        Some(column) => Err(SweepError::Choice(column.name.clone())),
+        None => Ok(()),
+    }
+}
+
+/// Evaluates each of `values` on the threads of rayon.
+pub(crate) fn at_each<V: Sync, R: Send, E: Send>(
+    values: &[V],
+    done: impl Fn() + Sync,
+    at: impl Fn(&V) -> Result<R, E> + Sync,
+) -> Result<Vec<R>, E> {
     values
         .par_iter()
-        .map(|&value| {
-            let swept = at_value(scene, quantity, value, columns, over_heights);
+        .map(|value| {
+            let found = at(value);
             done();
-            swept
+            found
         })
         // A caller cancels the rest by a panic in `done`.
         .panic_fuse()
@@ -191,28 +236,19 @@ pub fn sweep(
 }
 
 fn at_value(
-    scene: &Scene,
-    quantity: Quantity,
-    value: f64,
+    varied: &Scene,
+    value: (&str, f64),
     columns: &[Column],
     over_heights: bool,
 ) -> Result<Vec<Swept>, SweepError> {
-    let varied = with(scene, quantity, value)?;
-    let columns: Vec<Column> = columns
-        .iter()
-        .map(|column| match quantity {
-            Quantity::Damping => with_damping(column, value),
-            _ => column.clone(),
-        })
-        .collect();
-    let own = at_height_of(&varied, quantity, value, &columns)?;
+    let own = at_height_of(varied, value, columns)?;
     if !over_heights {
         return Ok(own);
     }
     // The heights run sequentially, because the values run in parallel.
     let mut heights: Vec<Vec<Swept>> = vec![Vec::with_capacity(HEIGHTS); columns.len()];
     for height in 0..HEIGHTS {
-        let at = at_height_of(&at_height(&varied, height), quantity, value, &columns)?;
+        let at = at_height_of(&at_height(varied, height), value, columns)?;
         for (column, swept) in heights.iter_mut().zip(at) {
             column.push(swept);
         }
@@ -229,12 +265,11 @@ fn at_value(
 
 fn at_height_of(
     scene: &Scene,
-    quantity: Quantity,
-    value: f64,
+    (name, value): (&str, f64),
     columns: &[Column],
 ) -> Result<Vec<Swept>, SweepError> {
     let wrong = |error| SweepError::Scene {
-        name: quantity.name(),
+        name: name.into(),
         value,
         error,
     };

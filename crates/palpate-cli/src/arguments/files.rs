@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, ValueHint};
-use palpate_plot::figure::Size;
+use palpate_plot::figure::{Size, Wording};
 use palpate_record::files::atomic::Existing;
 use palpate_record::files::outputs::{Kept, Outputs};
 use palpate_record::trace::{Delimiter, Layout, Part, Ways};
@@ -41,18 +41,47 @@ pub struct PlotFlags {
     /// Draw a figure into a file, .svg or .pdf (or .png where built with the feature png)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Results")]
     pub plot: Option<PathBuf>,
-    /// Size of the figure.
+    /// Size and words of the figure.
     #[command(flatten)]
-    pub size: SizeFlag,
+    pub look: LookFlags,
 }
 
-/// Size of a figure.
-#[derive(Args, Debug, Default, Clone, Copy)]
-pub struct SizeFlag {
+/// Size and words of a figure.
+#[derive(Args, Debug, Default, Clone)]
+pub struct LookFlags {
     /// Size of the figure: column (85 mm wide), page (170 mm wide), slide (254x142.9), or width and
     /// height in mm, such as 120x80 [default: its own]
     #[arg(long, value_name = "SIZE", help_heading = "Results")]
     pub size: Option<Size>,
+    /// Title of the figure, in place of its title and subtitle; none: neither [default: its own]
+    #[arg(long, value_name = "TEXT|none", help_heading = "Results")]
+    pub title: Option<String>,
+    /// none: the figure without its small print
+    #[arg(long, value_name = "none", value_parser = ["none"], help_heading = "Results")]
+    pub caption: Option<String>,
+}
+
+impl LookFlags {
+    /// Returns the first of these flags on the command line.
+    pub fn given(&self) -> Option<&'static str> {
+        [
+            ("--size", self.size.is_some()),
+            ("--title", self.title.is_some()),
+            ("--caption", self.caption.is_some()),
+        ]
+        .into_iter()
+        .find_map(|(flag, is_given)| is_given.then_some(flag))
+    }
+
+    /// Returns the requested words; `None` keeps those of the figure.
+    pub fn wording(&self) -> Option<Wording> {
+        let title = self.title.as_deref();
+        let wording = Wording {
+            title: title.map(|title| if title == "none" { "" } else { title }.to_owned()),
+            without_caption: self.caption.is_some(),
+        };
+        (wording != Wording::default()).then_some(wording)
+    }
 }
 
 /// Time range of a figure.

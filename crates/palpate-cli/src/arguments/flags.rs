@@ -5,6 +5,7 @@ use palpate_core::Side;
 use palpate_scene::GuardMode;
 
 use super::actuation::ActuationFlags;
+use super::edits::EditFlags;
 use super::setting_flags::{SettingFlags, method_help};
 use crate::values::{AnyMethods, any_methods, guard, limit, number, period, side, whole};
 
@@ -30,6 +31,9 @@ pub struct TimingFlags {
 /// Flags of every command that renders, in SI units.
 #[derive(Args, Debug, Default)]
 pub struct Flags {
+    /// Edits of the scene.
+    #[command(flatten)]
+    pub edits: EditFlags,
     /// Contact stiffness K [N/m]
     #[arg(
         long,

@@ -8,12 +8,12 @@ use palpate_study::suite::MAX_PLANTS;
 use palpate_study::sweep::Quantity;
 
 use super::{
-    Flags, Given, Overwriting, PartFlags, PlotFlags, ReplayFlags, SizeFlag, TimeFlags, TimingFlags,
-    TraceFlags,
+    EditFlags, Flags, Given, LookFlags, Overwriting, PartFlags, PlotFlags, ReplayFlags, TimeFlags,
+    TimingFlags, TraceFlags,
 };
 use crate::values::{
-    AnyMethods, Methods, Numbers, PlantSet, any_methods, force_place, methods, number, numbers,
-    plant_set, quantity, whole,
+    AnyMethods, Numbers, PlantSet, any_methods, force_place, number, numbers, plant_set, quantity,
+    whole,
 };
 
 /// Arguments of `render`.
@@ -67,13 +67,27 @@ pub struct SimulateArguments {
     /// Timing imperfections of the loop.
     #[command(flatten)]
     pub timing: TimingFlags,
-    /// Number of seeds, starting at --seed: the report has the median and the range of each value over the seeds
-    #[arg(long, value_name = "COUNT", default_value_t = 1, help_heading = "Loop",
-          value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub seeds: u32,
+    /// Several seeds.
+    #[command(flatten)]
+    pub several: SeedFlags,
     /// Output of the results.
     #[command(flatten)]
     pub results: Results,
+}
+
+/// Several seeds of a scene.
+#[derive(Args, Debug, Default, Clone, Copy)]
+pub struct SeedFlags {
+    /// Number of seeds, starting at the scene's: median, range and mean of each value over the seeds, with intervals,
+    /// and the differences of the methods
+    #[arg(long, value_name = "COUNT", default_value_t = 1, help_heading = "Loop",
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub seeds: u32,
+    /// Each seed also changes the start of each device by up to this much along each of its axes [m], so that a touch
+    /// falls on another part of a period; a scene without random values needs it
+    #[arg(long, value_name = "m", value_parser = number, allow_hyphen_values = true, requires = "seeds",
+          help_heading = "Loop")]
+    pub start_range: Option<f64>,
 }
 
 /// Arguments of `sweep`.
@@ -82,13 +96,35 @@ pub struct SweepArguments {
     /// Scene file (TOML); experiments/ has the paper's
     #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
     pub scene: PathBuf,
+    /// Edits of the scene.
+    #[command(flatten)]
+    pub edits: EditFlags,
     /// Quantity to vary: friction of the device, as a factor on the scene's; box, the half-width of a pantograph's
     /// safety box along y [m]; damping, B, b or cap of the methods [N s/m]
-    #[arg(long, value_name = "QUANTITY", value_parser = quantity)]
-    pub over: Quantity,
-    /// Values of the quantity, separated by commas
-    #[arg(long, value_name = "NUMBERS", value_parser = numbers, allow_hyphen_values = true)]
-    pub values: Numbers,
+    #[arg(long, value_name = "QUANTITY", value_parser = quantity, required_unless_present = "key",
+          conflicts_with = "key")]
+    pub over: Option<Quantity>,
+    /// Key of the scene to vary, instead of --over: a path as of --set, such as body.0.mass_kg or
+    /// model.device_mass_factor
+    #[arg(long, value_name = "KEY")]
+    pub key: Option<String>,
+    /// Values of the quantity or the key, separated by commas
+    #[arg(long, value_name = "NUMBERS", value_parser = numbers, allow_hyphen_values = true,
+          required_unless_present = "from", conflicts_with = "from")]
+    pub values: Option<Numbers>,
+    /// First value of a range, instead of --values
+    #[arg(long, value_name = "NUMBER", value_parser = number, allow_hyphen_values = true, requires_all = ["to", "steps"])]
+    pub from: Option<f64>,
+    /// Last value of the range
+    #[arg(long, value_name = "NUMBER", value_parser = number, allow_hyphen_values = true, requires = "from")]
+    pub to: Option<f64>,
+    /// Number of values of the range, evenly spaced
+    #[arg(long, value_name = "COUNT", requires = "from",
+          value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    pub steps: Option<u32>,
+    /// Space the values of the range by equal ratios
+    #[arg(long, requires = "from")]
+    pub log: bool,
     /// Number of collisions of the ideal that define the window of the methods [default: the scene's window]
     #[arg(long, value_name = "COUNT", value_parser = whole::<usize>)]
     pub collisions: Option<usize>,
@@ -99,6 +135,15 @@ pub struct SweepArguments {
     /// Compared methods.
     #[command(flatten)]
     pub compared: Compared,
+    /// Write a row for each value and method to a CSV file
+    #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub out: Option<PathBuf>,
+    /// The figure of the errors over the values.
+    #[command(flatten)]
+    pub picture: PlotFlags,
+    /// Overwriting of existing files.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
     /// Print the report as JSON
     #[arg(long, help_heading = "Results")]
     pub json: bool,
@@ -118,9 +163,15 @@ pub struct CompareArguments {
     /// Scene files (TOML); experiments/ has the paper's, experiments/users/ those of typical users
     #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath, required = true)]
     pub scenes: Vec<PathBuf>,
+    /// Edits of each scene.
+    #[command(flatten)]
+    pub edits: EditFlags,
     /// Methods: all, or one or more, separated by commas [default: all]
     #[arg(long, value_name = "NAMES", value_parser = any_methods)]
     pub method: Option<AnyMethods>,
+    /// Several seeds.
+    #[command(flatten)]
+    pub several: SeedFlags,
     /// Write the table to a CSV file
     #[arg(long, value_name = "TABLE.csv", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
@@ -153,6 +204,9 @@ pub struct TuneArguments {
     /// The curve.
     #[command(flatten)]
     pub curve: CurveArguments,
+    /// Write a row for each tried value to a CSV file
+    #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub out: Option<PathBuf>,
     /// The figure of the curve.
     #[command(flatten)]
     pub picture: PlotFlags,
@@ -239,6 +293,9 @@ pub struct HeightsArguments {
     /// Scene files (TOML); experiments/ has the paper's
     #[arg(value_name = "SCENE.toml", required = true, value_hint = ValueHint::FilePath)]
     pub scenes: Vec<PathBuf>,
+    /// Edits of each scene.
+    #[command(flatten)]
+    pub edits: EditFlags,
     /// Factor on the renderer's model value of the device mass, relative to the effective mass
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = number,
           allow_hyphen_values = true)]
@@ -246,6 +303,12 @@ pub struct HeightsArguments {
     /// Compared methods.
     #[command(flatten)]
     pub compared: Compared,
+    /// Write a row for each scene and method to a CSV file
+    #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub out: Option<PathBuf>,
+    /// Overwriting of existing files.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
     /// Print the report as JSON
     #[arg(long, help_heading = "Results")]
     pub json: bool,
@@ -255,8 +318,8 @@ pub struct HeightsArguments {
 #[derive(Args, Debug)]
 pub struct Compared {
     /// Methods: all, or one or more, separated by commas [default: all]
-    #[arg(long, value_name = "NAMES", value_parser = methods)]
-    pub method: Option<Methods>,
+    #[arg(long, value_name = "NAMES", value_parser = any_methods)]
+    pub method: Option<AnyMethods>,
     /// Variants of methods, from a TOML file, instead of --method
     #[arg(long, value_name = "FILE.toml", conflicts_with = "method",
           value_hint = ValueHint::FilePath)]
@@ -273,9 +336,9 @@ pub struct FigureArguments {
     /// with .svg]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub plot: Option<PathBuf>,
-    /// Size of the figure.
+    /// Size and words of the figure.
     #[command(flatten)]
-    pub size: SizeFlag,
+    pub look: LookFlags,
     /// Time range of a figure over time.
     #[command(flatten)]
     pub time: TimeFlags,
@@ -327,6 +390,21 @@ pub struct CompletionArguments {
     /// The shell
     #[arg(value_enum)]
     pub shell: clap_complete::Shell,
+}
+
+impl Results {
+    /// Field names, for the list of flags that a command takes.
+    pub const NAMES: [&str; 9] = [
+        "out",
+        "plot",
+        "size",
+        "title",
+        "caption",
+        "plot_from",
+        "plot_to",
+        "overwrite",
+        "json",
+    ];
 }
 
 /// Output of the results of a run.

@@ -397,7 +397,9 @@ fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
     let error = |place: usize| number(&methods[place]["sum"], "mean_force_error_percent");
     assert!(error(1) < 0.5 * error(0), "{} {}", error(1), error(0));
     let table = folder.read("replayed.csv");
-    let header = "method,device,t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n,qw,qx,qy,qz,tx_n_m,ty_n_m,tz_n_m";
+    let header = "method,device,t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n,qw,qx,qy,qz,tx_n_m,ty_n_m,tz_n_m,\
+                  mean_fx_n,mean_fy_n,mean_fz_n,ideal_fx_n,ideal_fy_n,ideal_fz_n,\
+                  ideal_x_m,ideal_y_m,ideal_z_m,ideal_tx_n_m,ideal_ty_n_m,ideal_tz_n_m";
     assert_eq!(table.lines().next(), Some(header));
     let samples = replayed["samples"].as_u64().unwrap();
     assert_eq!(table.lines().count() as u64, 1 + 2 * samples);

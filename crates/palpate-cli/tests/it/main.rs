@@ -7,6 +7,7 @@ mod command_list;
 mod committed_recording;
 mod common;
 mod compare;
+mod edits;
 mod eighty_columns;
 mod figure_and_demo;
 mod flags;

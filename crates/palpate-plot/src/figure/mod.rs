@@ -25,6 +25,7 @@ mod stroke;
 mod svg;
 mod text;
 mod thin;
+mod wording;
 
 #[cfg(test)]
 mod tests;
@@ -37,17 +38,15 @@ pub use pdf::pdf;
 pub use png::{PngError, png};
 pub use size::{Size, SizeError};
 pub use svg::svg;
+pub use wording::Wording;
 
 /// A drawable figure: a [`Figure`], a [`Sheet`], a [`FieldFigure`], a [`DotFigure`] or a [`Drawing`].
-pub trait Picture: drawn::Drawn {}
-
-impl Picture for Figure {}
-
-impl Picture for Sheet {}
-
-impl Picture for FieldFigure {}
-
-impl Picture for DotFigure {}
+pub trait Picture: drawn::Drawn {
+    /// Returns the figure with other words; `None` for a [`Drawing`], which has neither title nor small print.
+    fn worded(&self, _: &Wording) -> Option<Box<dyn Picture>> {
+        None
+    }
+}
 
 /// Hides the types of the drawing library from the public API.
 mod drawn {

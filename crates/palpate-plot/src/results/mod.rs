@@ -15,8 +15,10 @@ mod series;
 mod sheet;
 mod steps;
 mod suite;
+mod sweep;
 mod tune;
 mod tune_world;
+mod world;
 
 pub use advice::{advice, shown_of};
 pub use calibration::{calibration, motion};
@@ -25,8 +27,10 @@ pub use experiment::method_by_method;
 pub use runs::{Devices, RunsFigure};
 pub use steps::step_by_step;
 pub use suite::suite;
+pub use sweep::sweep;
 pub use tune::tune;
 pub use tune_world::tune_world;
+pub use world::world;
 
 use crate::figure::Role;
 use palpate_scene::method::MethodName;

@@ -4,8 +4,8 @@ use crate::recording::{WorldPathError, world_path};
 use crate::text::counted;
 use palpate_record::recording::Recording;
 use palpate_rt::{NoFrame, frames_of_devices};
-use palpate_scene::SceneErrors;
 use palpate_scene::world::WorldFile;
+use palpate_scene::{Edit, SceneErrors, Source};
 use palpate_testbed::world::LedPath;
 
 /// A world rendered by a recorded loop, with its device paths.
@@ -52,11 +52,19 @@ impl RecordedWorld {
     /// # Errors
     /// The recording is of one contact, or a part of its world is missing or invalid.
     pub fn new(recording: &Recording) -> Result<Self, RecordedWorldError> {
+        Self::edited(recording, &[])
+    }
+
+    /// Reads the world of a recording with `edits`, as [`new`](Self::new) does.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn edited(recording: &Recording, edits: &[Edit]) -> Result<Self, RecordedWorldError> {
         let name = recording.path().display().to_string();
         let Some(text) = recording.metadata.texts.get(Self::TEXT) else {
             return Err(RecordedWorldError::OneContact(name));
         };
-        let mut file = WorldFile::parse(&name, text)?;
+        let mut file = WorldFile::parse_edited(&Source::new(&name, text).edited(edits))?;
         let tools = file.scene.world.tools.iter();
         let names: Vec<_> = tools.map(|tool| tool.name.as_str()).collect();
         let frames = frames_of_devices(&recording.metadata, &names)

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::OverHeights;
 use crate::suite::Column;
+use crate::sweep::table::text;
 use crate::text::{digits, drawn_title, lines, number, percent, plain_table};
 use crate::tune::{HEIGHT_RANGE, HEIGHTS, Spread};
 
@@ -30,6 +31,9 @@ pub struct HeightsReport {
     pub model_mass_factor: f64,
     /// One entry for each scene, in the order given.
     pub scenes: Vec<SceneReport>,
+    /// Files that were written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
 }
 
 /// Results of the columns on one scene.
@@ -104,7 +108,55 @@ impl HeightsReport {
             height_range: HEIGHT_RANGE,
             model_mass_factor,
             scenes,
+            files: Vec::new(),
         }
+    }
+
+    /// Adds a written file.
+    pub fn wrote(&mut self, path: &std::path::Path) {
+        self.files.push(path.display().to_string());
+    }
+}
+
+/// Columns of the table as CSV.
+pub const COLUMNS: [&str; 12] = [
+    "title",
+    "hold_bound_percent",
+    "column",
+    "method",
+    "own_mean_force_error_percent",
+    "median_mean_force_error_percent",
+    "worst_mean_force_error_percent",
+    "own_force_rendering_error_percent",
+    "median_force_rendering_error_percent",
+    "worst_force_rendering_error_percent",
+    "diverged_heights",
+    "damping_n_s_per_m",
+];
+
+impl HeightsReport {
+    /// Returns a row for each scene and column, in the order of [`COLUMNS`]; missing values are empty.
+    pub fn rows(&self) -> impl Iterator<Item = [String; COLUMNS.len()]> + '_ {
+        self.scenes.iter().flat_map(|scene| {
+            scene.columns.iter().map(|of| {
+                let error = &of.mean_force_error_percent;
+                let fre = &of.force_rendering_error_over_heights_percent;
+                [
+                    scene.title.clone(),
+                    scene.hold_bound_percent.to_string(),
+                    of.name.clone(),
+                    of.method.into(),
+                    error.own.to_string(),
+                    error.median.to_string(),
+                    error.worst.to_string(),
+                    fre.own.to_string(),
+                    fre.median.to_string(),
+                    fre.worst.to_string(),
+                    of.diverged.to_string(),
+                    text(of.damping_n_s_per_m),
+                ]
+            })
+        })
     }
 }
 
@@ -191,6 +243,10 @@ impl fmt::Display for HeightsReport {
             }
             writeln!(f, "{}", lines(&table))?;
         }
-        writeln!(f)
+        writeln!(f)?;
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        Ok(())
     }
 }

@@ -11,7 +11,7 @@ mod world_path;
 pub use curves::RecordedCurves;
 pub use put_scene::{PutSceneError, put_scene};
 pub use replay::{RecordingReplay, RecordingReplayError, ReplayOf, ReplayedRecording, StatedHand};
-pub use scene::{NoScene, scene_of};
+pub use scene::{NoScene, scene_edited, scene_of};
 pub use ticks::{HeldDevice, Ticks, TicksError};
 pub use world_path::{WorldPathError, world_path};
 

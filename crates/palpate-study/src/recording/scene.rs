@@ -3,7 +3,7 @@
 use std::io;
 
 use palpate_record::recording::Recording;
-use palpate_scene::{ContactFile, SceneErrors};
+use palpate_scene::{ContactFile, Edit, SceneErrors, Source};
 
 /// Metadata entry that contains the scene.
 const SCENE: &str = "scene";
@@ -25,6 +25,14 @@ pub enum NoScene {
 /// # Errors
 /// The recording contains no scene, or an invalid one.
 pub fn scene_of(recording: &Recording) -> Result<ContactFile, NoScene> {
+    scene_edited(recording, &[])
+}
+
+/// Returns the scene of `recording` with `edits`, as [`scene_of`] does.
+///
+/// # Errors
+/// Those of [`scene_of`].
+pub fn scene_edited(recording: &Recording, edits: &[Edit]) -> Result<ContactFile, NoScene> {
     let name = recording.path().display().to_string();
     let metadata = &recording.metadata;
     let Some(text) = metadata.texts.get(SCENE) else {
@@ -38,9 +46,6 @@ pub fn scene_of(recording: &Recording) -> Result<ContactFile, NoScene> {
             )
         })
     };
-    Ok(ContactFile::parse_with(
-        &format!("{name} ({SCENE})"),
-        text,
-        &mut files,
-    )?)
+    let source = Source::new(&format!("{name} ({SCENE})"), text).edited(edits);
+    Ok(ContactFile::parse_edited(&source, &mut files)?)
 }

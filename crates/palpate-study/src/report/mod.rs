@@ -33,6 +33,7 @@ use palpate_testbed::metrics::Rebound;
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::seeded::Seeded;
 use crate::spread::Spread;
 
 /// Name and version of the JSON report.
@@ -106,6 +107,9 @@ pub struct Report {
     pub window_s: f64,
     /// Zero-order-hold bound: minimum FRE of any held force `[%]`; none without contact.
     pub hold_bound_percent: Option<f64>,
+    /// Means over several seeds with their intervals, and differences of the methods.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seeded: Option<Box<Seeded>>,
     /// Spread of the zero-order-hold bound over several seeds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hold_bound_over_seeds: Option<Spread>,
@@ -311,6 +315,7 @@ impl Report {
             timing: timing::of(subject.delay, &subject.timing),
             seed: subject.seed,
             seeds: None,
+            seeded: None,
             actuator: serde_json::Map::new(),
             says_what_columns_are: true,
             delay_fraction: subject.delay.fraction(),

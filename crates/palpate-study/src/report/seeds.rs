@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::{MethodReport, Report};
+use crate::seeded::{SeedScore, Seeded};
 use crate::spread::Spread;
 
 /// Values of a method over the seeds of the random numbers.
@@ -87,8 +88,22 @@ impl OverSeeds {
 }
 
 impl Report {
+    /// Returns the errors of each method; `None` without contact.
+    fn scores(&self) -> Vec<Option<SeedScore>> {
+        let of = |method: &MethodReport| {
+            Some(SeedScore {
+                mean_force_error: method.mean_force_error_percent?,
+                force_rendering_error: method.force_rendering_error_percent?,
+                broken: method.diverged == Some(true) || method.faults > 0,
+            })
+        };
+        self.methods.iter().map(of).collect()
+    }
+
     /// The report of the first seed, with the spread over the reports of all `further` ones.
-    pub fn spread_over(&mut self, further: &[Self]) {
+    ///
+    /// `start_range` `[m]` is the largest change of the start of a device.
+    pub fn spread_over(&mut self, further: &[Self], start_range: Option<f64>) {
         let all = || std::iter::once(&*self).chain(further);
         let floors: Option<Vec<f64>> = all().map(|report| report.hold_bound_percent).collect();
         let floors = floors.and_then(Spread::new);
@@ -100,10 +115,15 @@ impl Report {
                 OverSeeds::new(&reports)
             })
             .collect();
+        let names: Vec<&str> = self.methods.iter().map(|of| of.method).collect();
+        let scores: Vec<Vec<_>> = all().map(Self::scores).collect();
+        let first = self.seed.unwrap_or_default();
+        let seeded = Seeded::new(first, start_range, &names, &scores);
         self.hold_bound_over_seeds = floors;
         for (method, over_seeds) in self.methods.iter_mut().zip(of_methods) {
             method.over_seeds = over_seeds;
         }
+        self.seeded = Some(Box::new(seeded));
         self.seeds = Some(1 + further.len());
     }
 }

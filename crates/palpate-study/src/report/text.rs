@@ -54,6 +54,9 @@ impl fmt::Display for Report {
         if self.seeds.is_some() {
             writeln!(f, "{}\n", lines(&self.spread_table()))?;
             writeln!(f, "A value: median over the seeds (least to largest).\n")?;
+            if let Some(seeded) = &self.seeded {
+                writeln!(f, "{seeded}")?;
+            }
         } else {
             writeln!(f, "{}\n", self.methods_in_words())?;
         }

@@ -5,7 +5,7 @@ use chacha20::rand_core::{Rng, SeedableRng};
 
 /// Random numbers of one plant: ChaCha with 8 rounds, the seed as its key and the plant's number as its stream. A
 /// plant thus does not depend on the plants before it.
-pub(super) struct Chance(ChaCha8Rng);
+pub(crate) struct Chance(ChaCha8Rng);
 
 impl Chance {
     pub fn new(seed: u64, plant: u64) -> Self {
@@ -19,6 +19,17 @@ impl Chance {
     /// Returns a uniform value in [0, 1), in steps of 2^-53.
     fn share(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 * 0.5_f64.powi(53)
+    }
+
+    /// Returns a uniform index below `count`, which is above 0.
+    pub fn below(&mut self, count: usize) -> usize {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "an index"
+        )]
+        let index = (self.share() * count as f64) as usize;
+        index.min(count - 1)
     }
 
     /// Returns a uniform value between two values.

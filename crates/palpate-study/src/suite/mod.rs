@@ -16,6 +16,7 @@ mod steps;
 mod summary;
 pub mod table;
 
+pub(crate) use chance::Chance;
 pub use column::{Column, ColumnError, Dampings};
 pub use draw::{DrawError, RandomPlant};
 pub use score::{Score, plants, scores};

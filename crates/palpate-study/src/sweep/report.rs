@@ -2,14 +2,15 @@
 
 use std::fmt;
 
-use comfy_table::CellAlignment;
+use comfy_table::{CellAlignment, Table};
 use palpate_scene::Scene;
 use serde::Serialize;
 
-use super::{Quantity, Swept};
+use super::{Quantity, Swept, SweptWorld};
 use crate::suite::Column;
 use crate::text::{
-    ABSOLUTE_LEAK, FRE, digits, drawn_title, legend, lines, number, percent, plain_table, wrapped,
+    ABSOLUTE_LEAK, E, FRE, digits, drawn_title, legend, lines, number, percent, plain_table, short,
+    wrapped,
 };
 use crate::tune::HEIGHTS;
 
@@ -33,12 +34,15 @@ pub struct SweepReport {
     /// draw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Varied quantity: `friction`, `box` or `damping`.
-    pub over: &'static str,
-    /// Unit of the values; empty for a factor.
+    /// Varied quantity: `friction`, `box` or `damping`, or the key of the scene.
+    pub over: String,
+    /// Unit of the values; empty for a factor, and for a key, which has its unit in its name.
     pub unit: &'static str,
     /// One entry for each value.
     pub values: Vec<ValueReport>,
+    /// Files that were written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
 }
 
 /// Results of the columns at one value.
@@ -83,12 +87,20 @@ pub struct ColumnReport {
     pub almost_stable_heights: Option<usize>,
     /// Strongest held force `[N]`.
     pub peak_force_n: f64,
-    /// Sum of the absolute leaks of the held force `[J]`.
-    pub absolute_leak_held_j: f64,
+    /// Sum of the absolute leaks of the held force `[J]`; one contact only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absolute_leak_held_j: Option<f64>,
+    /// Generated energy of the held forces `[J]`; worlds only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub leak_j: Option<f64>,
+    /// Number of samples that the renderer rejected; worlds only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused_samples: Option<usize>,
     /// Largest rebound energy relative to the ideal's first rebound; none without a rebound.
     pub largest_rebound_energy: Option<f64>,
-    /// `stable`, `almost stable`, `unstable` or `diverged`.
-    pub bounce: &'static str,
+    /// `stable`, `almost stable`, `unstable` or `diverged`; one contact only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounce: Option<&'static str>,
     /// Time at which the device left its safety box `[s]`.
     pub left_box_at_s: Option<f64>,
 }
@@ -103,18 +115,58 @@ impl SweepReport {
         columns: &[Column],
         swept: &[Vec<Swept>],
     ) -> Self {
+        let swept = values.iter().copied().zip(swept);
+        Self {
+            unit: quantity.unit(),
+            ..Self::of_key(scene, quantity.name(), swept, columns)
+        }
+    }
+
+    /// Creates the report of the results at each value of a key of the `scene`.
+    #[must_use]
+    pub fn of_key<'s>(
+        scene: &Scene,
+        key: &str,
+        swept: impl Iterator<Item = (f64, &'s Vec<Swept>)>,
+        columns: &[Column],
+    ) -> Self {
         Self {
             format: FORMAT,
             title: scene.title.clone(),
             seed: scene.random_seed(),
-            over: quantity.name(),
-            unit: quantity.unit(),
-            values: values
-                .iter()
-                .zip(swept)
-                .map(|(value, swept)| ValueReport::new(*value, columns, swept))
+            over: key.into(),
+            unit: "",
+            values: swept
+                .map(|(value, swept)| ValueReport::new(value, columns, swept))
                 .collect(),
+            files: Vec::new(),
         }
+    }
+
+    /// Creates the report of the results of `methods` at each value of a key of a world with this title.
+    #[must_use]
+    pub fn of_worlds<'s>(
+        title: &str,
+        key: &str,
+        swept: impl Iterator<Item = (f64, &'s Vec<SweptWorld>)>,
+        methods: &[&'static str],
+    ) -> Self {
+        Self {
+            format: FORMAT,
+            title: title.into(),
+            seed: None,
+            over: key.into(),
+            unit: "",
+            values: swept
+                .map(|(value, swept)| ValueReport::of_world(value, methods, swept))
+                .collect(),
+            files: Vec::new(),
+        }
+    }
+
+    /// Adds a written file.
+    pub fn wrote(&mut self, path: &std::path::Path) {
+        self.files.push(path.display().to_string());
     }
 }
 
@@ -143,10 +195,42 @@ impl ValueReport {
                     left_box_heights: swept.over_heights.map(|of| of.left_box),
                     almost_stable_heights: swept.over_heights.map(|of| of.almost_stable),
                     peak_force_n: swept.peak_force,
-                    absolute_leak_held_j: swept.leak,
+                    absolute_leak_held_j: Some(swept.leak),
+                    leak_j: None,
+                    refused_samples: None,
                     largest_rebound_energy: swept.rebound_energy,
-                    bounce: swept.stability.name(),
+                    bounce: Some(swept.stability.name()),
                     left_box_at_s: swept.left_box_at,
+                })
+                .collect(),
+        }
+    }
+
+    fn of_world(value: f64, methods: &[&'static str], swept: &[SweptWorld]) -> Self {
+        let ideal = swept.first();
+        Self {
+            value,
+            hold_bound_percent: ideal.map_or(0.0, |swept| swept.own.hold_bound),
+            ideal_peak_force_n: ideal.map_or(0.0, |swept| swept.ideal_peak_force),
+            columns: methods
+                .iter()
+                .zip(swept)
+                .map(|(method, swept)| ColumnReport {
+                    name: (*method).into(),
+                    method,
+                    force_rendering_error_percent: swept.own.force_rendering_error,
+                    mean_force_error_percent: swept.own.mean_force_error,
+                    median_force_rendering_error_percent: None,
+                    worst_force_rendering_error_percent: None,
+                    left_box_heights: None,
+                    almost_stable_heights: None,
+                    peak_force_n: swept.peak_force,
+                    absolute_leak_held_j: None,
+                    leak_j: Some(swept.created),
+                    refused_samples: Some(swept.refused),
+                    largest_rebound_energy: None,
+                    bounce: None,
+                    left_box_at_s: None,
                 })
                 .collect(),
         }
@@ -166,46 +250,86 @@ impl fmt::Display for SweepReport {
                 "\n{} {}{unit}: hold bound {:.2} %, peak of the ideal {:.2} N\n",
                 self.over, at.value, at.hold_bound_percent, at.ideal_peak_force_n
             )?;
-            let heights = at.columns.iter().any(|of| of.left_box_heights.is_some());
-            let mut header = vec!["method", "FRE %"];
-            if heights {
-                header.extend(["median", "worst"]);
-            }
-            header.extend(["peak N", "|leak| mJ", "rebound", "bounce", "left box s"]);
-            if heights {
-                // These columns count start heights.
-                header.extend(["almost stable", "left box"]);
-            }
-            let of_heights = |count: Option<usize>| {
-                number(count.map(|count| count as f64), |count| {
-                    format!("{count} of {HEIGHTS}")
-                })
+            let is_world = at.columns.iter().any(|of| of.refused_samples.is_some());
+            let table = if is_world {
+                at.table_of_world()
+            } else {
+                at.table_of_contact()
             };
-            let mut table = plain_table(CellAlignment::Left, &header);
-            for column in &at.columns {
-                let mut cells = vec![
-                    (&*column.name).into(),
-                    number(Some(column.force_rendering_error_percent), percent),
-                ];
-                if heights {
-                    cells.push(number(column.median_force_rendering_error_percent, percent));
-                    cells.push(number(column.worst_force_rendering_error_percent, percent));
-                }
-                cells.extend([
-                    number(Some(column.peak_force_n), |force| format!("{force:.2}")),
-                    number(Some(1e3 * column.absolute_leak_held_j), digits),
-                    number(column.largest_rebound_energy, |ratio| format!("{ratio:.2}")),
-                    comfy_table::Cell::new(column.bounce).set_alignment(CellAlignment::Right),
-                    number(column.left_box_at_s, |time| format!("{time:.2}")),
-                ]);
-                if heights {
-                    cells.push(of_heights(column.almost_stable_heights));
-                    cells.push(of_heights(column.left_box_heights));
-                }
-                table.add_row(cells);
-            }
             writeln!(f, "{}", lines(&table))?;
         }
-        writeln!(f, "\n{}", legend(&[FRE, ABSOLUTE_LEAK, REBOUND]))
+        let is_world = |of: &ColumnReport| of.refused_samples.is_some();
+        let words: &[&str] = if self.values.iter().flat_map(|at| &at.columns).any(is_world) {
+            &[E, FRE]
+        } else {
+            &[FRE, ABSOLUTE_LEAK, REBOUND]
+        };
+        writeln!(f, "\n{}", legend(words))?;
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        Ok(())
+    }
+}
+
+impl ValueReport {
+    fn table_of_world(&self) -> Table {
+        let header = ["method", "E %", "FRE %", "peak N", "leak mJ", "refused"];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for column in &self.columns {
+            table.add_row([
+                (&*column.name).into(),
+                number(Some(column.mean_force_error_percent), percent),
+                number(Some(column.force_rendering_error_percent), percent),
+                number(Some(column.peak_force_n), |force| format!("{force:.2}")),
+                number(column.leak_j.map(|leak| 1e3 * leak), |leak| short(leak, 3)),
+                number(column.refused_samples.map(|count| count as f64), digits),
+            ]);
+        }
+        table
+    }
+
+    fn table_of_contact(&self) -> Table {
+        let heights = self.columns.iter().any(|of| of.left_box_heights.is_some());
+        let mut header = vec!["method", "FRE %"];
+        if heights {
+            header.extend(["median", "worst"]);
+        }
+        header.extend(["peak N", "|leak| mJ", "rebound", "bounce", "left box s"]);
+        if heights {
+            // These columns count start heights.
+            header.extend(["almost stable", "left box"]);
+        }
+        let of_heights = |count: Option<usize>| {
+            number(count.map(|count| count as f64), |count| {
+                format!("{count} of {HEIGHTS}")
+            })
+        };
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for column in &self.columns {
+            let mut cells = vec![
+                (&*column.name).into(),
+                number(Some(column.force_rendering_error_percent), percent),
+            ];
+            if heights {
+                cells.push(number(column.median_force_rendering_error_percent, percent));
+                cells.push(number(column.worst_force_rendering_error_percent, percent));
+            }
+            let leak = column.absolute_leak_held_j.map(|leak| 1e3 * leak);
+            cells.extend([
+                number(Some(column.peak_force_n), |force| format!("{force:.2}")),
+                number(leak, digits),
+                number(column.largest_rebound_energy, |ratio| format!("{ratio:.2}")),
+                comfy_table::Cell::new(column.bounce.unwrap_or("-"))
+                    .set_alignment(CellAlignment::Right),
+                number(column.left_box_at_s, |time| format!("{time:.2}")),
+            ]);
+            if heights {
+                cells.push(of_heights(column.almost_stable_heights));
+                cells.push(of_heights(column.left_box_heights));
+            }
+            table.add_row(cells);
+        }
+        table
     }
 }

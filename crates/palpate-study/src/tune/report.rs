@@ -100,7 +100,40 @@ impl From<&TunedPoint> for PointReport {
     }
 }
 
+/// Columns of the curve as CSV.
+pub const COLUMNS: [&str; 10] = [
+    "method",
+    "setting",
+    "value_n_s_per_m",
+    "own_mean_force_error_percent",
+    "median_mean_force_error_percent",
+    "worst_mean_force_error_percent",
+    "own_absolute_leak_j",
+    "median_absolute_leak_j",
+    "worst_absolute_leak_j",
+    "diverged_heights",
+];
+
 impl TuneReport {
+    /// Returns a row for each tried value, in the order of [`COLUMNS`].
+    pub fn rows(&self) -> impl Iterator<Item = [String; COLUMNS.len()]> + '_ {
+        self.curve.iter().map(|point| {
+            let (error, leak) = (point.mean_force_error_percent, point.absolute_leak_j);
+            [
+                self.method.into(),
+                self.setting.as_str().into(),
+                point.value_n_s_per_m.to_string(),
+                error.own.to_string(),
+                error.median.to_string(),
+                error.worst.to_string(),
+                leak.own.to_string(),
+                leak.median.to_string(),
+                leak.worst.to_string(),
+                point.diverged.to_string(),
+            ]
+        })
+    }
+
     /// Creates the report of the result of [`tune`](super::tune) for `method` on `scene`; the best point is selected
     /// by `objective`.
     ///

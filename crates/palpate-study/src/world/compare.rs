@@ -11,6 +11,7 @@ use super::candidates::Tunable;
 use super::setting::SettingReport;
 use super::tune::{WorldPointReport, best, none_found, search};
 use super::{WorldMethodReport, WorldReport};
+use crate::seeded::Seeded;
 use crate::text::{E, FRE, digits, legend, percent, plain_table, short, whole, within, wrapped};
 use crate::tune::Objective;
 
@@ -70,6 +71,9 @@ pub struct WorldRows {
     pub ideal_error_percent: Option<f64>,
     /// One entry for each method.
     pub methods: Vec<WorldRow>,
+    /// Means over several seeds with their intervals, and differences of the methods.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seeded: Option<Seeded>,
 }
 
 /// A method on a world.
@@ -197,6 +201,7 @@ impl WorldRows {
             hold_bound_percent,
             ideal_error_percent: report.ideal_error_percent,
             methods: rows,
+            seeded: None,
         })
     }
 
@@ -371,6 +376,9 @@ impl fmt::Display for WorldComparison {
                 for line in within(&below, crate::text::WIDTH - BLANKS.len()) {
                     writeln!(f, "{BLANKS}{line}")?;
                 }
+            }
+            if let Some(seeded) = &scene.seeded {
+                write!(f, "\n{seeded}")?;
             }
         }
         let marks = format!(

@@ -1,17 +1,139 @@
-//! Forces of a world's devices as CSV.
+//! Forces and positions of a world's devices over time, beside those of the ideal: as series and as CSV.
 
 use std::io::Write;
+use std::ops::Range;
 
-use crate::sim::world::WorldRun;
+use crate::sim::world::{WorldBench, WorldRun};
 use palpate_scene::world::WorldScene;
-use palpate_world::Tool;
+use palpate_testbed::world::WorldIdeal;
+use palpate_world::{Tool, Vector};
+
+/// The periods of a run: the intervals of the ideal's grid that begin in each.
+pub struct Periods<'a> {
+    scene: &'a WorldScene,
+    ideal: &'a WorldIdeal,
+    intervals: Vec<Range<usize>>,
+}
+
+impl<'a> Periods<'a> {
+    /// Finds the periods of the loop in the ideal's grid.
+    #[must_use]
+    pub fn new(scene: &'a WorldScene, bench: &'a WorldBench) -> Self {
+        let (ideal, period) = (bench.ideal(), scene.timing.period);
+        let grid = &ideal.grid;
+        let mut intervals = Vec::new();
+        let mut first = 0;
+        while first < grid.intervals() {
+            // Edges are multiples of the period only to rounding.
+            let end = (intervals.len() as f64 + 1.0 - 1e-6) * period;
+            let later = (first..grid.intervals()).find(|interval| grid.edge(*interval) >= end);
+            let after = later.unwrap_or(grid.intervals());
+            intervals.push(first..after);
+            first = after.max(first + 1);
+        }
+        Self {
+            scene,
+            ideal,
+            intervals,
+        }
+    }
+
+    /// Returns the intervals of the grid in the period of a sample; `None` beyond the window.
+    fn of(&self, sample: usize) -> Option<Range<usize>> {
+        let intervals = self.intervals.get(sample)?.clone();
+        (!intervals.is_empty()).then_some(intervals)
+    }
+
+    /// Returns the sum of impulses over a period, over its duration.
+    fn mean(&self, sample: usize, impulse: impl Fn(usize) -> Vector) -> Option<Vector> {
+        let intervals = self.of(sample)?;
+        let grid = &self.ideal.grid;
+        let duration = grid.edge(intervals.end) - grid.edge(intervals.start);
+        let mut sum = [0.0; 3];
+        for interval in intervals {
+            for (sum, part) in sum.iter_mut().zip(impulse(interval)) {
+                *sum += part;
+            }
+        }
+        Some(sum.map(|sum| sum / duration))
+    }
+
+    /// Returns the mean over a period of a value that is given for each interval.
+    fn mean_held(&self, sample: usize, held: Option<&Vec<Vector>>) -> Option<Vector> {
+        let held = held?;
+        self.mean(sample, |interval| {
+            let duration = self.ideal.grid.duration(interval);
+            let value = held.get(interval).copied().unwrap_or_default();
+            value.map(|part| part * duration)
+        })
+    }
+
+    /// Returns the mean force of the actuator on a device over the period of a sample `[N]`.
+    #[must_use]
+    pub fn force(&self, run: &WorldRun, sample: usize, device: usize) -> Option<Vector> {
+        self.mean_held(sample, run.delivered.get(device))
+    }
+
+    /// Returns the mean force of the ideal on a device over the period of a sample `[N]`.
+    #[must_use]
+    pub fn ideal_force(&self, sample: usize, device: usize) -> Option<Vector> {
+        let impulses = &self.ideal.devices[device].impulses;
+        let own = self.mean(sample, |interval| impulses[interval])?;
+        Some(self.scene.devices[device].out(own))
+    }
+
+    /// Returns the mean torque of the ideal on a device over the period of a sample `[N m]`; `None` for a device that
+    /// does not turn.
+    #[must_use]
+    pub fn ideal_torque(&self, sample: usize, device: usize) -> Option<Vector> {
+        let impulses = &self.ideal.devices[device].torque_impulses;
+        if impulses.is_empty() {
+            return None;
+        }
+        self.mean(sample, |interval| impulses[interval])
+    }
+
+    /// Returns the position of a device of the ideal at a sample `[m]`.
+    #[must_use]
+    pub fn ideal_position(&self, sample: usize, device: usize) -> Option<Vector> {
+        let first = self.of(sample)?.start;
+        Some(self.ideal.states.get(first)?.devices[device].position)
+    }
+
+    /// Returns the number of contacts of the ideal at a sample.
+    #[must_use]
+    pub fn ideal_contacts(&self, sample: usize) -> Option<usize> {
+        let first = self.of(sample)?.start;
+        let contacts = self.ideal.states.get(first)?.contacts.iter();
+        Some(contacts.filter(|contact| contact.penetration > 0.0).count())
+    }
+
+    /// Returns the deepest penetration of the ideal's contacts at a sample `[m]`; 0 without contact.
+    #[must_use]
+    pub fn ideal_penetration(&self, sample: usize) -> Option<f64> {
+        let first = self.of(sample)?.start;
+        let contacts = self.ideal.states.get(first)?.contacts.iter();
+        Some(
+            contacts
+                .map(|contact| contact.penetration)
+                .fold(0.0, f64::max),
+        )
+    }
+}
 
 /// Writes a row per method, sample and device: its position and the commanded force, also its orientation if it
-/// rotates, and its torque if it has one.
+/// rotates, and its torque if it has one; then the mean force over the period from the sample, of its actuator and of
+/// the ideal, the ideal's position at the sample, and the ideal's mean torque. Cells beyond the ideal's window are
+/// empty.
 ///
 /// # Errors
 /// The writer fails.
-pub fn write(writer: &mut dyn Write, scene: &WorldScene, runs: &[WorldRun]) -> std::io::Result<()> {
+pub fn write(
+    writer: &mut dyn Write,
+    scene: &WorldScene,
+    bench: &WorldBench,
+    runs: &[WorldRun],
+) -> std::io::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
     let turns = scene.devices.iter().any(|device| device.turning.is_some());
     let mut header = vec![
@@ -24,7 +146,14 @@ pub fn write(writer: &mut dyn Write, scene: &WorldScene, runs: &[WorldRun]) -> s
     if gives_torque {
         header.extend(["tx_n_m", "ty_n_m", "tz_n_m"]);
     }
+    header.extend(["mean_fx_n", "mean_fy_n", "mean_fz_n"]);
+    header.extend(["ideal_fx_n", "ideal_fy_n", "ideal_fz_n"]);
+    header.extend(["ideal_x_m", "ideal_y_m", "ideal_z_m"]);
+    if gives_torque {
+        header.extend(["ideal_tx_n_m", "ideal_ty_n_m", "ideal_tz_n_m"]);
+    }
     csv.write_record(header)?;
+    let periods = Periods::new(scene, bench);
     for run in runs {
         for (sample, positions) in run.positions.iter().enumerate() {
             let time = sample as f64 * scene.timing.period;
@@ -40,6 +169,19 @@ pub fn write(writer: &mut dyn Write, scene: &WorldScene, runs: &[WorldRun]) -> s
                     let torques = &run.commanded_torques[sample][device];
                     row.extend(torques.iter().map(ToString::to_string));
                 }
+                let mut further = vec![
+                    periods.force(run, sample, device),
+                    periods.ideal_force(sample, device),
+                    periods.ideal_position(sample, device),
+                ];
+                if gives_torque {
+                    further.push(periods.ideal_torque(sample, device));
+                }
+                row.extend(further.into_iter().flat_map(|vector| {
+                    let text =
+                        |axis: usize| vector.map_or_else(String::new, |it| it[axis].to_string());
+                    [0, 1, 2].map(text)
+                }));
                 csv.write_record(row)?;
             }
         }

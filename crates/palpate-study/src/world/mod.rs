@@ -17,6 +17,7 @@ use palpate_testbed::world::{DeviceEvaluation, Member, WorldIdeal};
 use serde::Serialize;
 
 use crate::report::RecordedMotion;
+use crate::seeded::Seeded;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate world 1";
@@ -61,6 +62,9 @@ pub struct WorldReport {
     pub decisive: Vec<DecisiveReport>,
     /// One entry for each method.
     pub methods: Vec<WorldMethodReport>,
+    /// Means over several seeds with their intervals, and differences of the methods.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seeded: Option<Seeded>,
     /// Methods that were omitted, with the reason.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<LeftOutReport>,
@@ -276,6 +280,7 @@ impl WorldReport {
             contacts: ideal.encounters.len(),
             overlapping_at_start: overlapping_at_start(scene, ideal),
             left_out: Vec::new(),
+            seeded: None,
             deepest_m: ideal.deepest(),
             decisive: decisive
                 .map(|(name, of)| DecisiveReport {

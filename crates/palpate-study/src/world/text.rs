@@ -45,6 +45,9 @@ impl fmt::Display for WorldReport {
         for line in self.remarks() {
             writeln!(f, "{}", wrapped(&line))?;
         }
+        if let Some(seeded) = &self.seeded {
+            write!(f, "\n{seeded}")?;
+        }
         Ok(())
     }
 }

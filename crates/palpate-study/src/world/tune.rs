@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::candidates::{Scale, Tunable};
 use super::setting::SettingReport;
+use crate::sweep::table::text;
 use crate::text::{
     E, FRE, counted, digits, legend, number, percent, plain_table, short, whole, wrapped,
 };
@@ -182,7 +183,35 @@ impl WorldPointReport {
     }
 }
 
+/// Columns of the tried settings as CSV.
+pub const COLUMNS: [&str; 8] = [
+    "method",
+    "damping_n_s_per_m",
+    "coupling_stiffness_n_per_m",
+    "coupling_mass_kg",
+    "mean_force_error_percent",
+    "force_rendering_error_percent",
+    "leak_j",
+    "refused_samples",
+];
+
 impl WorldTuneReport {
+    /// Returns a row for each tried setting, in the order of [`COLUMNS`]; missing values are empty.
+    pub fn rows(&self) -> impl Iterator<Item = [String; COLUMNS.len()]> + '_ {
+        self.curve.iter().map(|point| {
+            [
+                self.method.into(),
+                text(point.settings.damping_n_s_per_m),
+                text(point.settings.coupling_stiffness_n_per_m),
+                text(point.settings.coupling_mass_kg),
+                text(point.mean_force_error_percent),
+                text(point.force_rendering_error_percent),
+                point.leak_j.to_string(),
+                point.refused_samples.to_string(),
+            ]
+        })
+    }
+
     /// Creates the report of the tried settings; `None` if there are none.
     #[must_use]
     pub fn new(

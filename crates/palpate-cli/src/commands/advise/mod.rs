@@ -48,8 +48,8 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
         let reach = bounce.reach(&shown, FAITHFUL_PERCENT, || {});
         let reach = reach.map_err(|error| refused(&error))?;
         drop(progress);
-        let size = arguments.picture.size;
-        draw(&outputs, path, &palpate_plot::advice(&advice, &reach), size)?;
+        let look = &arguments.picture.look;
+        draw(&outputs, path, &palpate_plot::advice(&advice, &reach), look)?;
         advice.wrote(path);
     }
     print_report(&advice, arguments.json)

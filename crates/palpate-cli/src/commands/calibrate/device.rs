@@ -15,6 +15,7 @@ use palpate_study::calibration::ExcitedMotion;
 use palpate_study::device_loop::{ShakeError, Shaker};
 
 use super::CalibrateArguments;
+use crate::arguments::EditFlags;
 use crate::commands::run::request;
 use crate::commands::simulate::read_scene;
 use crate::devices::{Opened, open};
@@ -62,7 +63,7 @@ pub fn excite(
     params: ExcitationParams,
 ) -> Result<ExcitedMotion, Failure> {
     let mut scene = match &arguments.scene {
-        Some(path) => read_scene(path)?.scene,
+        Some(path) => read_scene(path, &EditFlags::default())?.scene,
         None => {
             ContactFile::parse("the built-in scene", SCENE)
                 .map_err(Failure::inputs)?

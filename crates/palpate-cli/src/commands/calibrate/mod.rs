@@ -179,7 +179,7 @@ fn write(
     let picture = &arguments.results.picture;
     if let Some(path) = &picture.plot {
         let figure = palpate_plot::calibration(&shown, &measured.fitted.calibration);
-        draw(outputs, path, &figure, picture.size)?;
+        draw(outputs, path, &figure, &picture.look)?;
         report.wrote(path);
     }
     if let Some(path) = &arguments.results.report {

@@ -31,7 +31,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     // Read every file before any work.
     let (mut files, mut worlds) = (Vec::new(), Vec::new());
     for path in &arguments.scenes {
-        match read_any(path)? {
+        match read_any(path, &arguments.edits)? {
             SceneFile::Contact(file) => files.push((path, file)),
             SceneFile::World(file) => worlds.push((path, file)),
         }
@@ -74,12 +74,19 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
             outcomes.push((method, outcome));
             progress.advance();
         }
-        scenes.push(SceneRows::new(
+        let able = outcomes.iter().filter(|(_, outcome)| outcome.is_ok());
+        let able: Vec<_> = able.map(|(method, _)| *method).collect();
+        let mut rows = SceneRows::new(
             path.display().to_string(),
             &Subject::new(scene),
             bench.reference(),
             outcomes,
-        ));
+        );
+        if arguments.several.are_several() {
+            let failure = |error| explain(no_flags, file, scene.method, error);
+            rows.seeded = Some(arguments.several.contact(scene, &able, failure)?);
+        }
+        scenes.push(rows);
     }
     drop(progress);
     let mut comparison = Comparison::new(scenes);
@@ -91,7 +98,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     }
     if let Some(path) = &arguments.picture.plot {
         let figure = plots::compared(&comparison);
-        draw(&outputs, path, &figure, arguments.picture.size)?;
+        draw(&outputs, path, &figure, &arguments.picture.look)?;
         comparison.wrote(path);
     }
     print_report(&comparison, arguments.json)

@@ -40,7 +40,17 @@ pub fn run(
             progress.advance();
             progress.begin(&format!("{method} on {name}"));
         });
-        scenes.push(rows.map_err(|error| Failure::input(format!("{name}: {error}")))?);
+        let failure = |error| Failure::input(format!("{name}: {error}"));
+        let mut rows = rows.map_err(failure)?;
+        if arguments.several.are_several() {
+            // A method whose settings are searched has other ones with each start.
+            let able = methods
+                .iter()
+                .filter(|name| file.scene.method(name).is_ok());
+            let able: Vec<_> = able.copied().collect();
+            rows.seeded = Some(arguments.several.world(&file.scene, &able, failure)?);
+        }
+        scenes.push(rows);
         progress.advance();
     }
     drop(progress);
@@ -53,7 +63,7 @@ pub fn run(
     }
     if let Some(path) = &arguments.picture.plot {
         let figure = palpate_plot::compared_worlds(&comparison);
-        draw(outputs, path, &figure, arguments.picture.size)?;
+        draw(outputs, path, &figure, &arguments.picture.look)?;
         comparison.wrote(path);
     }
     print_report(&comparison, arguments.json)

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use palpate_device::clock::MonotonicClock;
 use palpate_live::{Home, LaneEnd, Session, Setup, Written};
 use palpate_scene::method::MethodName;
-use palpate_scene::{ContactFile, Scene, SceneFile};
+use palpate_scene::{ContactFile, Scene, SceneFile, Source, beside};
 
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
@@ -33,7 +33,7 @@ const METHODS: [MethodName; 2] = [MethodName::Basic, MethodName::Coupled];
 /// Runs a loop, serves its live page, and reports the outcome at the end.
 pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.scene
-        && let SceneFile::World(file) = read_any(path)?
+        && let SceneFile::World(file) = read_any(path, &arguments.flags.edits)?
     {
         return world::run(arguments, path, &file);
     }
@@ -105,13 +105,16 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
     let most = most_lanes(arguments.device.kind());
     let (file, path, usual) = match &arguments.scene {
         Some(path) => {
-            let file = super::simulate::read_scene(path)?;
+            let file = super::simulate::read_scene(path, &arguments.flags.edits)?;
             let usual = vec![file.scene.method];
             (file, path.clone(), usual)
         }
         None => {
             let name = "live.toml";
-            let file = ContactFile::parse(name, SCENE).map_err(Failure::inputs)?;
+            let source = Source::new(name, SCENE).edited(&arguments.flags.edits.set);
+            let file = ContactFile::parse_edited(&source, &mut beside(Path::new(name)));
+            let mut file = file.map_err(Failure::inputs)?;
+            arguments.flags.edits.retitle(&mut file.scene.title);
             // One loop renders the recommended method.
             let first = METHODS.len().saturating_sub(most);
             (file, PathBuf::from(name), METHODS[first..].to_vec())

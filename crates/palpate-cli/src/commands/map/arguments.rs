@@ -6,7 +6,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
 use palpate_plot::map::Quantity;
 
-use crate::arguments::{Overwriting, SizeFlag};
+use crate::arguments::{LookFlags, Overwriting};
 use crate::values::{Methods, methods, number, periods};
 
 /// Arguments of `map`.
@@ -138,7 +138,7 @@ pub struct MapResults {
     pub plot: Option<PathBuf>,
     /// Size of the figure.
     #[command(flatten)]
-    pub size: SizeFlag,
+    pub look: LookFlags,
     /// Quantities in the figure, separated by commas [default: growth,error; a page has no room for more]
     #[arg(long, value_parser = quantity(), value_delimiter = ',')]
     pub show: Vec<Quantity>,

@@ -160,7 +160,7 @@ impl Files {
                     &results.show,
                     methods.map(|Methods(methods)| &methods[..]),
                 )?;
-                draw(&self.outputs, path, &figure, results.size)?;
+                draw(&self.outputs, path, &figure, &results.look)?;
                 report.wrote(path);
             }
         }

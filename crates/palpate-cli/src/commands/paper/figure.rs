@@ -109,7 +109,7 @@ pub fn run(arguments: &FigureArguments) -> Result<(), Failure> {
         Drawn::Runs(report, sheet, below) => Drawn::Runs(report, arguments.time.cut(sheet)?, below),
         drawing @ Drawn::Drawing(_) => drawing,
     };
-    draw(&outputs, &path, drawn.picture(), arguments.size)?;
+    draw(&outputs, &path, drawn.picture(), &arguments.look)?;
     print(&match drawn {
         Drawn::Runs(mut report, _, below) => {
             report.wrote(&path);

@@ -1,7 +1,8 @@
 //! `palpate paper heights`: dependence of errors on the start height.
 
-use palpate_study::heights::report::{HeightsReport, SceneReport};
+use palpate_study::heights::report::{COLUMNS, HeightsReport, SceneReport};
 use palpate_study::heights::{HeightsError, over_heights};
+use palpate_study::table;
 use palpate_study::tune::HEIGHTS;
 
 use crate::arguments::{Flags, HeightsArguments, TimingFlags};
@@ -19,11 +20,19 @@ pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
         )));
     }
     let columns = arguments.compared.columns()?;
+    let mut outputs = arguments.overwriting.outputs();
+    for scene in &arguments.scenes {
+        outputs.protect(scene);
+    }
+    if let Some(out) = &arguments.out {
+        outputs.plan("--out", out)?;
+    }
     let files = arguments
         .scenes
         .iter()
-        .map(|path| read_scene(path))
+        .map(|path| read_scene(path, &arguments.edits))
         .collect::<Result<Vec<_>, _>>()?;
+    outputs.spare_inputs()?;
     let progress = Progress::new(HEIGHTS * files.len());
     let mut scenes = Vec::with_capacity(files.len());
     for (path, file) in arguments.scenes.iter().zip(&files) {
@@ -45,6 +54,10 @@ pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
         scenes.push(SceneReport::new(&scene, &columns, &found));
     }
     drop(progress);
-    let report = HeightsReport::new(factor, scenes);
+    let mut report = HeightsReport::new(factor, scenes);
+    if let Some(out) = &arguments.out {
+        outputs.write(out, |writer| table::write(writer, &COLUMNS, report.rows()))?;
+        report.wrote(out);
+    }
     print_report(&report, arguments.json)
 }

@@ -24,7 +24,9 @@ use answering::{MISTAKES, answer, messages};
 /// Answers every line of standard input until it ends or a signal arrives.
 pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
     let path = arguments.scene.as_ref().or(arguments.file.as_ref());
-    let scene = path.map(|path| read_any(path)).transpose()?;
+    let scene = path
+        .map(|path| read_any(path, &arguments.flags.edits))
+        .transpose()?;
     let scene = match (path, scene) {
         (Some(path), Some(SceneFile::World(file))) => return world::run(arguments, path, &file),
         (_, Some(SceneFile::Contact(file))) => Some(*file),

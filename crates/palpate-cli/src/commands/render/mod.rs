@@ -2,7 +2,7 @@
 
 mod world;
 
-pub use world::deliver as deliver_world;
+pub use world::{deliver as deliver_world, deliver_files};
 
 use std::path::Path;
 

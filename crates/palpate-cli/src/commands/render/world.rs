@@ -4,9 +4,9 @@ use std::path::Path;
 
 use palpate_record::files::outputs::Outputs;
 use palpate_scene::SceneFile;
-use palpate_scene::world::WorldFile;
+use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_study::report::RecordedMotion;
-use palpate_study::sim::world::{WorldBench, WorldBenchError};
+use palpate_study::sim::world::{WorldBench, WorldBenchError, WorldRun};
 use palpate_study::world::{WorldReport, forces};
 use palpate_testbed::world::LedPath;
 
@@ -16,25 +16,16 @@ use crate::failure::{Failure, tell};
 use crate::inside;
 use crate::progress::Progress;
 use crate::recorded::trace::{read_world_trace, tell_gap};
-use crate::results::print_report;
+use crate::results::{STANDARD_OUTPUT, draw, print_report};
 use crate::worlds::{self, wrong_world};
 
 /// Flags for rendering a motion in a world.
-const FLAGS: [&str; 8] = [
-    "trace",
-    "input",
-    "method",
-    "out",
-    "overwrite",
-    "json",
-    "from",
-    "to",
-];
+const FLAGS: [&str; 5] = ["trace", "input", "method", "from", "to"];
 
 /// Renders the motion in `input` in the world of the scene file, by the named methods or by the scene's own.
 pub fn run(arguments: &RenderArguments, input: &Path) -> Result<(), Failure> {
     let path = &arguments.trace;
-    let file = match read_any(path)? {
+    let file = match read_any(path, &arguments.flags.edits)? {
         SceneFile::World(file) => file,
         SceneFile::Contact(_) => {
             return Err(Failure::Arguments(format!(
@@ -43,7 +34,7 @@ pub fn run(arguments: &RenderArguments, input: &Path) -> Result<(), Failure> {
             )));
         }
     };
-    let known = [&FLAGS[..], &TraceFlags::NAMES].concat();
+    let known = [&FLAGS[..], &TraceFlags::NAMES, &Results::NAMES].concat();
     worlds::only(&arguments.given, &known, path)?;
     palpate_record::files::inputs::note(input);
     let outputs = arguments.results.check(path)?;
@@ -105,13 +96,34 @@ pub fn deliver(
         progress.advance();
     }
     drop(progress);
-    if let Some(out) = &results.out {
-        outputs.write(out, |writer| forces::write(writer, &scene, &runs))?;
-    }
     let mut report = WorldReport::new(&scene, &bench, &runs);
     change(&mut report);
     if (flags.method.as_ref()).is_some_and(|methods| methods.are_all) {
         report.all_methods(&scene);
     }
+    deliver_files((results, outputs), &scene, &bench, &runs)?;
     print_report(&report, results.json)
+}
+
+/// Writes the requested signals and the figure.
+pub fn deliver_files(
+    (results, outputs): (&Results, &Outputs),
+    scene: &WorldScene,
+    bench: &WorldBench,
+    runs: &[WorldRun],
+) -> Result<(), Failure> {
+    if let Some(out) = &results.out {
+        if out == Path::new(STANDARD_OUTPUT) {
+            return Err(Failure::Arguments(
+                "--out -: the signals of a world are written to a file; name it".into(),
+            ));
+        }
+        outputs.write(out, |writer| forces::write(writer, scene, bench, runs))?;
+    }
+    if let Some(path) = &results.picture.plot {
+        let figure = palpate_plot::world(scene, bench, runs);
+        let figure = results.time.cut((&figure).into())?;
+        draw(outputs, path, &figure, &results.picture.look)?;
+    }
+    Ok(())
 }

@@ -8,7 +8,7 @@ use clap::{Args, ValueHint};
 use palpate_core::Parameter;
 use palpate_record::recording::Recording;
 use palpate_scene::method::MethodName;
-use palpate_scene::{ContactFile, SetupError};
+use palpate_scene::{ContactFile, Edit, SetupError};
 use palpate_study::device_loop::RecordedWorld;
 use palpate_study::sim::closed_loop::LoopError;
 use palpate_study::sim::replay::ReplayError;
@@ -25,7 +25,7 @@ use crate::results::deliver;
 use crate::setup::{wrong_flag, wrong_on_bench, wrong_setup};
 use palpate_plot::RunsFigure;
 use palpate_study::recording::{
-    NoScene, RecordingReplay, RecordingReplayError, ReplayOf, ReplayedRecording, scene_of,
+    NoScene, RecordingReplay, RecordingReplayError, ReplayOf, ReplayedRecording, scene_edited,
 };
 
 /// Arguments of `replay`.
@@ -62,10 +62,12 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     if recording.metadata.texts.contains_key(RecordedWorld::TEXT) {
         return world::run(arguments, &outputs, &recording);
     }
-    let file = scene(&recording)?;
+    let recorded = scene(&recording, &[])?.scene;
+    let file = scene(&recording, &flags.edits.set)?;
     let methods = flags.methods(file.scene.method);
     flags.check_settings(&methods)?;
     let mut scene = file.scene.clone();
+    flags.edits.retitle(&mut scene.title);
     flags.change(&mut scene, &methods)?;
     // Input files include a device file from the flags.
     outputs.spare_inputs()?;
@@ -78,11 +80,12 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     };
     let replay = RecordingReplay {
         recording: &recording,
-        recorded: &file.scene,
+        recorded: &recorded,
         scene: &scene,
         // A flag of its position or velocity overrides the scene.
         object_as_in_scene: flags.gives(Parameter::ObjectPosition.into())
-            || flags.gives(Parameter::ObjectVelocity.into()),
+            || flags.gives(Parameter::ObjectVelocity.into())
+            || scene.object != recorded.object,
         part,
         of: match arguments.replay.replay {
             ReplayKind::Motion => ReplayOf::Motion,
@@ -162,9 +165,9 @@ impl ReplayFailures<'_> {
     }
 }
 
-/// Returns the scene of the recording.
-fn scene(recording: &Recording) -> Result<ContactFile, Failure> {
-    scene_of(recording).map_err(|error| match error {
+/// Returns the scene of the recording with these edits.
+fn scene(recording: &Recording, edits: &[Edit]) -> Result<ContactFile, Failure> {
+    scene_edited(recording, edits).map_err(|error| match error {
         NoScene::Invalid(faults) => Failure::inputs(faults),
         other => Failure::input(other),
     })

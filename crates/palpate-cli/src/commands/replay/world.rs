@@ -5,13 +5,14 @@ use palpate_record::recording::Recording;
 use palpate_study::device_loop::{RecordedWorld, RecordedWorldError};
 
 use super::ReplayArguments;
+use crate::arguments::Results;
 use crate::commands::render::deliver_world;
 use crate::failure::{Failure, tell};
 use crate::recorded::whole_or_said;
 use crate::worlds;
 
 /// Flags of a replay in a world.
-const FLAGS: [&str; 5] = ["recording", "method", "out", "overwrite", "json"];
+const FLAGS: [&str; 2] = ["recording", "method"];
 
 /// Renders the recorded motion in the recording's world, which starts in the state of its file.
 pub fn run(
@@ -19,12 +20,19 @@ pub fn run(
     outputs: &Outputs,
     recording: &Recording,
 ) -> Result<(), Failure> {
-    worlds::only(&arguments.given, &FLAGS, &arguments.recording)?;
+    let known = [&FLAGS[..], &Results::NAMES].concat();
+    worlds::only(&arguments.given, &known, &arguments.recording)?;
     let name = arguments.recording.display().to_string();
-    let recorded = RecordedWorld::new(recording).map_err(|error| match error {
-        RecordedWorldError::World(faults) => Failure::inputs(faults),
-        other => Failure::input(other),
-    })?;
+    let mut recorded = RecordedWorld::edited(recording, &arguments.flags.edits.set).map_err(
+        |error| match error {
+            RecordedWorldError::World(faults) => Failure::inputs(faults),
+            other => Failure::input(other),
+        },
+    )?;
+    arguments
+        .flags
+        .edits
+        .retitle(&mut recorded.file.scene.title);
     // Input files include those of meshes.
     outputs.spare_inputs()?;
     if let Some(gaps) = recorded.gaps() {

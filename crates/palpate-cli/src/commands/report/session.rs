@@ -6,7 +6,7 @@ use std::path::Path;
 use palpate_scene::ContactFile;
 
 use super::ReportArguments;
-use crate::arguments::{ActuationFlags, Flags, Given};
+use crate::arguments::{ActuationFlags, EditFlags, Flags, Given};
 use crate::commands::run::{SessionArguments, run_session};
 use crate::commands::simulate::read_scene;
 use crate::failure::{Failure, tell};
@@ -59,7 +59,7 @@ pub fn record(
     recording: &Path,
 ) -> Result<Result<(), Failure>, Failure> {
     let (file, path) = match &arguments.scene {
-        Some(path) => (read_scene(path)?, path.as_path()),
+        Some(path) => (read_scene(path, &EditFlags::default())?, path.as_path()),
         None => {
             let name = "the built-in scene";
             let file = ContactFile::parse(name, SCENE).map_err(Failure::inputs)?;

@@ -32,7 +32,7 @@ use crate::reports::{Guarding, RunReport, Subject};
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let (path, record) = (arguments.scene.as_path(), arguments.record.as_deref());
     let arguments = &arguments.session;
-    let file = match read_any(path)? {
+    let file = match read_any(path, &arguments.flags.edits)? {
         SceneFile::Contact(file) => *file,
         SceneFile::World(file) => return world::run_session(&file, (path, record), arguments),
     };

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
-use palpate_record::files::bounded::SCENE;
 use palpate_record::recording::RecordingMetadata;
 use palpate_rt::realtime::Request;
 use palpate_rt::{ControlLoop, OnDevice, RenderedWorld, SetupError, metadata_of_devices};
@@ -102,7 +101,7 @@ impl Session<'_> {
         let record = match self.record {
             Some(out) => {
                 let metadata = metadata_of_devices(env!("CARGO_PKG_VERSION"), &on, &request);
-                Some((out, put(metadata, self.path, method)?))
+                Some((out, put(metadata, self.file, method)?))
             }
             None => None,
         };
@@ -174,16 +173,13 @@ pub fn on_devices(
     (on, world)
 }
 
-/// Adds the world's file and the rendering method to the metadata.
+/// Adds the world's file, as it was read with its edits, and the rendering method to the metadata.
 pub fn put(
     metadata: RecordingMetadata,
-    path: &Path,
+    file: &WorldFile,
     method: &str,
 ) -> Result<RecordingMetadata, Failure> {
-    let name = path.display().to_string();
-    let text = SCENE
-        .text(path)
-        .map_err(|error| Failure::System(format!("{name}: {error}")))?;
+    let text = file.edited_text().map_err(Failure::inputs)?;
     Ok(metadata
         .with("world", &text)
         .with("method", &format!("name = \"{method}\"\n")))

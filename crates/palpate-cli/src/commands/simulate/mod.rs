@@ -10,12 +10,13 @@ use palpate_record::unit::Spacing;
 use palpate_scene::method::MethodName;
 use palpate_scene::{
     ContactFile, Intention, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError,
-    period_question,
+    Source, period_question,
 };
+use palpate_study::seeded::with_seed;
 use palpate_study::sim::closed_loop::{Bench, LoopError};
 use palpate_testbed::reference::ReferenceError;
 
-use crate::arguments::{Flags, SimulateArguments, TimingFlags};
+use crate::arguments::{EditFlags, Flags, SimulateArguments, TimingFlags};
 use crate::failure::{Failure, tell};
 use crate::inside;
 use crate::progress::Progress;
@@ -26,7 +27,7 @@ use palpate_study::report::{Report, Subject, actuator_of, metadata, plant_metada
 
 /// Simulates a scene by the named methods, or by its own.
 pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
-    let file = match read_any(&arguments.scene)? {
+    let file = match read_any(&arguments.scene, &arguments.flags.edits)? {
         SceneFile::Contact(file) => *file,
         SceneFile::World(file) => return world::run(arguments, &arguments.scene, &file),
     };
@@ -46,7 +47,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         };
         device.force_at = place;
     }
-    let further = further_seeds(arguments, &scene)?;
+    let mut further = scenes_of_seeds(arguments, &scene)?;
+    let scene = further.remove(0);
     let outputs = arguments.results.check(&arguments.scene)?;
     let failure = |method, error| explain((flags, &arguments.timing), &file, method, error);
     let progress = Progress::new(methods.len() * (1 + further.len()));
@@ -77,7 +79,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let mut report = Report::new(&subject, bench.reference(), &runs);
     report.actuated(actuator);
     if !of_further.is_empty() {
-        report.spread_over(&of_further);
+        report.spread_over(&of_further, arguments.several.start_range);
     }
     deliver(
         (&arguments.results, &outputs),
@@ -98,49 +100,40 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     )
 }
 
-/// Returns the scene with each further seed that `--seeds` requests.
-fn further_seeds(arguments: &SimulateArguments, scene: &Scene) -> Result<Vec<Scene>, Failure> {
-    let count = arguments.seeds;
-    if count == 1 {
-        return Ok(Vec::new());
+/// Returns the scene with each seed that `--seeds` requests: the scene itself without the flag.
+fn scenes_of_seeds(arguments: &SimulateArguments, scene: &Scene) -> Result<Vec<Scene>, Failure> {
+    let several = &arguments.several;
+    if !several.are_several() {
+        return Ok(vec![scene.clone()]);
     }
-    let refused = |why: String| Err(Failure::Arguments(format!("--seeds {count}: {why}")));
-    let Some(first) = scene.random_seed() else {
-        return refused(
-            "nothing is random in this scene (no jitter, drop probability or sensor noise), so every seed gives the \
-             same numbers; omit the flag"
-                .into(),
-        );
-    };
+    let seeds = several.of_scene(scene)?;
     let results = &arguments.results;
     for (flag, is_given) in [
         ("--out", results.out.is_some()),
         ("--plot", results.picture.plot.is_some()),
     ] {
         if is_given {
-            return refused(format!(
+            return Err(several.refused(&format!(
                 "{flag} writes the ticks of one seed; omit --seeds and choose one with --seed"
-            ));
+            )));
         }
     }
-    let Some(after) = first.checked_add(u64::from(count)) else {
-        return refused(format!("from seed {first} on, the last is beyond 2^64"));
-    };
-    let with_seed = |seed| {
-        let mut scene = scene.clone();
-        scene.timing.seed = seed;
-        scene
-    };
-    Ok((first + 1..after).map(with_seed).collect())
+    Ok(seeds
+        .map(|seed| with_seed(scene, seed, several.start_range))
+        .collect())
 }
 
-pub(super) fn read_any(path: &Path) -> Result<SceneFile, Failure> {
+pub(super) fn read_any(path: &Path, edits: &EditFlags) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
-    let text = read_text(path)?;
-    let file = SceneFile::parse(&name, &text).map_err(Failure::inputs)?;
-    match &file {
-        SceneFile::Contact(file) => tell_doubts(&name, &file.scene),
+    let source = Source::new(&name, &read_text(path)?).edited(&edits.set);
+    let mut file = SceneFile::parse_edited(&source).map_err(Failure::inputs)?;
+    match &mut file {
+        SceneFile::Contact(file) => {
+            tell_doubts(&name, &file.scene);
+            edits.retitle(&mut file.scene.title);
+        }
         SceneFile::World(file) => {
+            edits.retitle(&mut file.scene.title);
             for note in file.notes() {
                 tell(note);
             }
@@ -149,14 +142,14 @@ pub(super) fn read_any(path: &Path) -> Result<SceneFile, Failure> {
     Ok(file)
 }
 
-pub(super) fn read_scene(path: &Path) -> Result<ContactFile, Failure> {
-    match read_any(path)? {
+pub(super) fn read_scene(path: &Path, edits: &EditFlags) -> Result<ContactFile, Failure> {
+    match read_any(path, edits)? {
         SceneFile::Contact(file) => Ok(*file),
         SceneFile::World(file) => Err(Failure::inputs(file.not_one_contact())),
     }
 }
 
-fn read_text(path: &Path) -> Result<String, Failure> {
+pub(super) fn read_text(path: &Path) -> Result<String, Failure> {
     let name = path.display().to_string();
     let ending = path.extension().and_then(|ending| ending.to_str());
     let ending = ending.map(str::to_ascii_lowercase).unwrap_or_default();
@@ -215,7 +208,7 @@ fn not_utf8(name: &str, error: &FromUtf8Error) -> Failure {
 }
 
 pub(super) fn in_file(error: SceneError) -> Failure {
-    Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
+    Failure::inputs([error])
 }
 
 /// Explains a scene that cannot run: the error is in a flag if one gave the value, else in the file.

@@ -6,33 +6,30 @@ use palpate_scene::world::WorldFile;
 use palpate_study::sim::world::{WorldBench, WorldBenchError};
 use palpate_study::world::WorldReport;
 
-use crate::arguments::SimulateArguments;
+use crate::arguments::{Results, SimulateArguments};
+use crate::commands::render::deliver_files;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::print_report;
 use crate::worlds::{self, wrong_world};
 
 /// Flags of a world's simulation; all other values are in its file.
-const FLAGS: [&str; 6] = [
+const FLAGS: [&str; 7] = [
     "scene",
     "method",
-    "json",
     "guard",
+    "seeds",
+    "start_range",
     "guard_speed",
     "guard_allowance",
 ];
 
 /// Simulates a world by the named methods, or by its own.
 pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
-    if arguments.seeds > 1 {
-        return Err(Failure::Arguments(format!(
-            "--seeds {}: nothing is random in a world (no jitter, drops or sensor noise), so every seed gives the same \
-             numbers; omit the flag",
-            arguments.seeds
-        )));
-    }
-    worlds::only(&arguments.given, &FLAGS, path)?;
+    let known = [&FLAGS[..], &Results::NAMES].concat();
+    worlds::only(&arguments.given, &known, path)?;
     let flags = &arguments.flags;
+    let outputs = arguments.results.check(path)?;
     let file = &worlds::guarded(flags, file);
     let scene = &file.scene;
     let methods = worlds::methods(flags, scene);
@@ -54,9 +51,14 @@ pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Resu
         progress.advance();
     }
     drop(progress);
+    let names: Vec<_> = renderers.iter().map(|(method, _)| *method).collect();
     let mut report = WorldReport::new(scene, &bench, &runs);
     if (flags.method.as_ref()).is_some_and(|methods| methods.are_all) {
         report.all_methods(scene);
+    }
+    deliver_files((&arguments.results, &outputs), scene, &bench, &runs)?;
+    if arguments.several.are_several() {
+        report.seeded = Some(arguments.several.world(scene, &names, failure)?);
     }
     print_report(&report, arguments.results.json)
 }

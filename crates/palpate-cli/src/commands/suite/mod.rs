@@ -15,6 +15,7 @@ use crate::arguments::{Compared, SuiteArguments};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::{draw, print_report};
+use crate::setup::only_for_worlds;
 use crate::values::PlantSet;
 
 /// Draws the plants, evaluates every column on them, and writes the requested files.
@@ -55,7 +56,7 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.picture.plot {
         let drawn = arguments.compared.drawn(&columns);
         let figure = palpate_plot::suite(set, &seeds, &columns, &drawn, &scores.concat());
-        draw(&outputs, path, &figure, arguments.picture.size)?;
+        draw(&outputs, path, &figure, &arguments.picture.look)?;
         report.wrote(path);
     }
     print_report(&report, arguments.json)
@@ -97,7 +98,10 @@ impl Compared {
             let Some(methods) = &self.method else {
                 return Ok(otherwise());
             };
-            return Ok(methods.0.iter().copied().map(Column::new).collect());
+            if let Some(name) = methods.of_worlds_only() {
+                return Err(only_for_worlds(name));
+            }
+            return Ok(methods.of_contact().into_iter().map(Column::new).collect());
         };
         let name = path.display();
         let text = SCENE

@@ -2,10 +2,12 @@
 
 mod world;
 
+use palpate_record::files::outputs::Outputs;
 use palpate_scene::Scene;
 use palpate_scene::SceneFile;
 use palpate_scene::method::{MethodName, SettingKey};
-use palpate_study::tune::report::TuneReport;
+use palpate_study::table;
+use palpate_study::tune::report::{COLUMNS, TuneReport};
 use palpate_study::tune::{self, HEIGHTS, Objective, TuneError};
 
 use super::simulate::{explain, read_any};
@@ -21,7 +23,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
         Least::Error => Objective::Error,
         Least::Leak => Objective::Leak,
     };
-    let file = match read_any(&arguments.scene)? {
+    let file = match read_any(&arguments.scene, &flags.edits)? {
         SceneFile::Contact(file) => *file,
         SceneFile::World(file) => {
             return world::run(arguments, objective, &arguments.scene, &file);
@@ -46,7 +48,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     }
     let mut outputs = arguments.overwriting.outputs();
     outputs.protect(&arguments.scene);
-    arguments.picture.plan(&mut outputs)?;
+    arguments.plan(&mut outputs)?;
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
     arguments.timing.change(&mut scene)?;
@@ -69,16 +71,30 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     drop(progress);
 
     let mut report = TuneReport::new(&scene, method, setting, objective, points);
+    if let Some(out) = &arguments.out {
+        outputs.write(out, |writer| table::write(writer, &COLUMNS, report.rows()))?;
+        report.wrote(out);
+    }
     if let Some(path) = &arguments.picture.plot {
         draw(
             &outputs,
             path,
             &palpate_plot::tune(&report),
-            arguments.picture.size,
+            &arguments.picture.look,
         )?;
         report.wrote(path);
     }
     print_report(&report, arguments.json)
+}
+
+impl TuneArguments {
+    /// Plans the requested files.
+    fn plan(&self, outputs: &mut Outputs) -> Result<(), Failure> {
+        if let Some(out) = &self.out {
+            outputs.plan("--out", out)?;
+        }
+        self.picture.plan(outputs)
+    }
 }
 
 /// Default number of tried values.

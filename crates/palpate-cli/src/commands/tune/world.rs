@@ -4,9 +4,10 @@ use std::path::Path;
 
 use palpate_scene::world::WorldFile;
 use palpate_study::sim::world::{WorldBench, WorldBenchError};
+use palpate_study::table;
 use palpate_study::tune::Objective;
 use palpate_study::world::candidates::{Scale, Tunable};
-use palpate_study::world::tune::{Tuned, WorldTuneReport, tune};
+use palpate_study::world::tune::{COLUMNS, Tuned, WorldTuneReport, tune};
 
 use super::evenly;
 use crate::arguments::TuneArguments;
@@ -16,15 +17,18 @@ use crate::results::{draw, print_report};
 use crate::worlds::{self, wrong_world};
 
 /// Flags of tuning on a world.
-const FLAGS: [&str; 10] = [
+const FLAGS: [&str; 13] = [
     "scene",
     "method",
     "from",
     "to",
     "steps",
     "least",
+    "out",
     "plot",
     "size",
+    "title",
+    "caption",
     "overwrite",
     "json",
 ];
@@ -47,7 +51,7 @@ pub fn run(
     })?;
     let mut outputs = arguments.overwriting.outputs();
     outputs.protect(&arguments.scene);
-    arguments.picture.plan(&mut outputs)?;
+    arguments.plan(&mut outputs)?;
     let scale = Scale::new(scene);
     let curve = &arguments.curve;
     let is_given = curve.from.is_some() || curve.to.is_some();
@@ -89,9 +93,13 @@ pub fn run(
     }
     let report = WorldTuneReport::new(scene, &bench, tunable, objective, &tuned);
     let mut report = report.expect("at least one setting was tried");
+    if let Some(out) = &arguments.out {
+        outputs.write(out, |writer| table::write(writer, &COLUMNS, report.rows()))?;
+        report.wrote(out);
+    }
     if let Some(path) = &arguments.picture.plot {
         let figure = palpate_plot::tune_world(&report);
-        draw(&outputs, path, &figure, arguments.picture.size)?;
+        draw(&outputs, path, &figure, &arguments.picture.look)?;
         report.wrote(path);
     }
     print_report(&report, arguments.json)
