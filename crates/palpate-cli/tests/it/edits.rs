@@ -217,7 +217,7 @@ fn a_figure_has_the_words_that_it_is_given() {
     );
 }
 
-/// The means of the written signals are those that E is made of.
+/// E of the report is that of the means in the table.
 #[test]
 fn a_worlds_signals_have_those_of_the_ideal() {
     let folder = folder();

@@ -132,7 +132,7 @@ fn a_recorded_motion_of_six_axes_is_rendered_with_its_torques() {
             .lines()
             .next()
             .unwrap()
-            .ends_with("qw,qx,qy,qz,tx_n_m,ty_n_m,tz_n_m")
+            .contains("qw,qx,qy,qz,tx_n_m,ty_n_m,tz_n_m,mean_fx_n,")
     );
     let largest = forces
         .lines()
