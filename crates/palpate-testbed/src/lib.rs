@@ -35,7 +35,7 @@
 //! use palpate_testbed::metrics::ForceEvaluation;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! // A 0.1 kg block falls by 0.1 m onto a device of the same mass that is held against gravity.
+//! // A 0.1 kg block falls by 0.1 m onto a device of the same mass that a hand pushes up by 0.981 N.
 //! let ideal = Ideal::new(PointMassScene {
 //!     stiffness: 100.0,
 //!     device_mass: 0.1,

@@ -67,7 +67,9 @@ fn the_drawings_name_what_they_show() {
     assert_eq!(folder.succeed("paper figure fig1"), "wrote fig1.svg\n");
     let modes = [
         "(a) free motion",
-        "(b) contact",
+        "(a) contact",
+        "(b) sampled loop",
+        "zero-order hold",
         "p = ξ − η > 0",
         "f = K (ξ − η)",
         "device, m",

@@ -20,7 +20,7 @@ pub(super) const HFCR_MOD: MethodInfo = MethodInfo {
     name: "hfcr-mod",
     summary: "energy-consistent force",
     colour: 6,
-    settings: &[],
+    settings: &[BALANCE],
 };
 
 /// The modified force with smooth transitions, by name.
@@ -28,7 +28,7 @@ pub(super) const HFCR_MOD_ST: MethodInfo = MethodInfo {
     name: "hfcr-mod-st",
     summary: "energy-consistent force, smooth transitions",
     colour: 5,
-    settings: &[ENTRY_HOLD],
+    settings: &[ENTRY_HOLD, BALANCE],
 };
 
 /// HFCR by name.
@@ -36,7 +36,13 @@ pub(super) const HFCR: MethodInfo = MethodInfo {
     name: "hfcr",
     summary: "energy-consistent force, smooth transitions, leak dissipation",
     colour: 0,
-    settings: &[DAMPING, PREDICTION, ENTRY_HOLD, LONGEST_WINDOW_SETTING],
+    settings: &[
+        DAMPING,
+        PREDICTION,
+        ENTRY_HOLD,
+        LONGEST_WINDOW_SETTING,
+        BALANCE,
+    ],
 };
 
 const DAMPING: Setting = Setting {
@@ -64,7 +70,23 @@ const ENTRY_HOLD: Setting = Setting {
     default: EntryHold::Crossing.name(),
 };
 
+const BALANCE: Setting = Setting {
+    key: SettingKey::BALANCE,
+    values: SettingValues::Words {
+        words: &[
+            EnergyBalance::WithVirtualForce.name(),
+            EnergyBalance::AsPrinted.name(),
+        ],
+        earlier: &[],
+    },
+    help: "energy balance of the modified force; as-printed, Eq. (8), lacks the work of the virtual force and has \
+           unbounded forces",
+    default: EnergyBalance::WithVirtualForce.name(),
+};
+
 impl SettingKey {
+    /// Energy balance of HFCR's modified force, one of [`EnergyBalance`].
+    pub const BALANCE: Self = Self::new("balance");
     /// Position at which HFCR holds the device after an entry, one of [`EntryHold`].
     pub const ENTRY_HOLD: Self = Self::new("entry_hold");
 }
@@ -76,6 +98,7 @@ impl<S: Scalar> FromSettings<S> for HfcrParams<S> {
         basis: &Basis,
     ) -> Result<Self, SettingsError> {
         let hold = given.word(SettingKey::ENTRY_HOLD);
+        let balance = given.word(SettingKey::BALANCE);
         Ok(Self {
             modified_force: true,
             smooth_transition: method != MethodName::HfcrMod,
@@ -93,6 +116,7 @@ impl<S: Scalar> FromSettings<S> for HfcrParams<S> {
             },
             prediction: Prediction::from_settings(method, given, basis)?,
             entry_hold: hold.and_then(EntryHold::named).unwrap_or_default(),
+            balance: balance.and_then(EnergyBalance::named).unwrap_or_default(),
         })
     }
 }
@@ -164,6 +188,43 @@ impl From<EntryHold> for ParameterValue<f64> {
     }
 }
 
+/// Energy balance from which the modified force follows, Eq. (9).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum EnergyBalance {
+    /// Stored energy with the work of the virtual force, `-f_V eta`.
+    #[default]
+    WithVirtualForce,
+    /// Eq. (8) as printed, without that work: the force is larger by `f_V (eta_{i+1} - eta_i) / d`, which is unbounded
+    /// as the device reverses its motion. For comparison with the paper, not for a motor.
+    AsPrinted,
+}
+
+impl EnergyBalance {
+    /// Returns the choice's name in files, flags and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::WithVirtualForce => "with-virtual-force",
+            Self::AsPrinted => "as-printed",
+        }
+    }
+
+    /// Returns the choice with this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        let all = [Self::WithVirtualForce, Self::AsPrinted];
+        all.into_iter().find(|choice| choice.name() == name)
+    }
+}
+
+impl From<EnergyBalance> for ParameterValue<f64> {
+    fn from(choice: EnergyBalance) -> Self {
+        Self::Word(choice.name())
+    }
+}
+
 /// Parameters of HFCR with its three independent steps. By default the first two are on, and dissipation is off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -186,6 +247,8 @@ pub struct HfcrParams<S> {
     pub prediction: Prediction<S>,
     /// Position at which the device is held after contact has begun within an interval. For smooth transitions only.
     pub entry_hold: EntryHold,
+    /// Energy balance of the modified force.
+    pub balance: EnergyBalance,
 }
 
 impl<S> Default for HfcrParams<S> {
@@ -196,6 +259,7 @@ impl<S> Default for HfcrParams<S> {
             leak_dissipation: LeakDissipation::Off,
             prediction: Prediction::LastStep,
             entry_hold: EntryHold::Crossing,
+            balance: EnergyBalance::WithVirtualForce,
         }
     }
 }
@@ -231,6 +295,7 @@ pub struct Hfcr<S> {
     damping: S,
     predictor: Predictor<S>,
     entry_hold: EntryHold,
+    balance: EnergyBalance,
 }
 
 impl<S: Scalar> Hfcr<S> {
@@ -268,6 +333,7 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
             damping,
             predictor: self.prediction.check()?,
             entry_hold: self.entry_hold,
+            balance: self.balance,
         })
     }
 
@@ -295,6 +361,8 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
             let hold = ParameterValue::Word(self.entry_hold.name());
             take(ENTRY_HOLD.key.as_str(), hold);
         }
+        let balance = ParameterValue::Word(self.balance.name());
+        take(BALANCE.key.as_str(), balance);
     }
 
     fn derived(self, method: &Hfcr<S>) -> Self {
@@ -361,7 +429,10 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
             }
         };
         let elastic = if self.modified_force {
-            modified
+            match self.balance {
+                EnergyBalance::WithVirtualForce => modified,
+                EnergyBalance::AsPrinted => modified + unpaid_force(start, &moved, share, period),
+            }
         } else {
             now.spring_force(motion)
         };
@@ -372,6 +443,17 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
             rule,
             moved,
         }
+    }
+}
+
+/// Returns the force `[N]` whose work along the predicted step of the device is that of the virtual force on the object,
+/// which Eq. (8) as printed lacks; 0 for a free interval, and for a device at rest, where it has no value.
+fn unpaid_force<S: Scalar>(start: &Start<S>, moved: &Displacement<S>, share: S, period: S) -> S {
+    let d = start.device_velocity * period;
+    if share > S::ZERO && d.abs() >= S::from_f64(STANDSTILL) {
+        start.virtual_force * (moved.by / d)
+    } else {
+        S::ZERO
     }
 }
 

@@ -3,6 +3,7 @@
 mod experiment;
 mod linkage;
 mod modes;
+mod sampled_loop;
 mod steps;
 
 pub use experiment::{Compared, MEASURED_1, MEASURED_2, Measured, experiment};

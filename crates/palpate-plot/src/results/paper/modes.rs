@@ -1,5 +1,6 @@
-//! Fig. 1: device and object in their two modes.
+//! Fig. 1: device and object in their two modes, and the sampled loop.
 
+use super::sampled_loop;
 use crate::figure::{Beside, Drawing, Pen, drawing};
 
 /// Layout and captions of one mode.
@@ -19,10 +20,10 @@ const OBJECT: (f64, f64) = (110.0, 46.0);
 const DEVICE: (f64, f64) = (150.0, 30.0);
 const FILLS: (&str, &str) = ("#fbe3cf", "#d5e6f2");
 
-/// Draws the two modes side by side: free motion and contact.
+/// Draws the two modes side by side, free motion and contact, and the sampled loop below them.
 #[must_use]
 pub fn drawing() -> Drawing {
-    let mut page = Drawing::new(860.0, 560.0);
+    let mut page = Drawing::new(860.0, 760.0);
     let modes = [
         Mode {
             middle: 225.0,
@@ -33,7 +34,7 @@ pub fn drawing() -> Drawing {
         },
         Mode {
             middle: 635.0,
-            head: "(b) contact",
+            head: "(a) contact",
             condition: "p = ξ − η > 0",
             equations: [
                 "f = K (ξ − η)",
@@ -57,6 +58,7 @@ pub fn drawing() -> Drawing {
     );
     page.arrow((465.0, 275.0), (395.0, 275.0), Pen::THIN);
     page.words("they part", (430.0, 296.0), Beside::Middle, drawing::SMALL);
+    sampled_loop::draw(&mut page, 590.0);
     page
 }
 

@@ -48,7 +48,7 @@ collisions = 3 -> collisons = 3
   40:1: unknown key collisons, did you mean collisions? Known here: collisions, duration_s
   collisons
 damping_cap_n_s_per_m -> damping_cap
-  46:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: estimate, damping_n_s_per_m, prediction, damper_object, longest_window_s, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, entry_hold, placement, correction
+  46:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: estimate, damping_n_s_per_m, prediction, damper_object, longest_window_s, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, balance, entry_hold, placement, correction
   damping_cap"#,
         6,
     );

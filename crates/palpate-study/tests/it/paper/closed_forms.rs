@@ -1,8 +1,8 @@
 //! Eq. (9) as a quotient, and the closed forms that replace it.
 
 use palpate_core::{
-    AnyParams, Contact, EntryHold, HfcrParams, LoopParams, Method, MethodParams, ObjectMotion,
-    ObjectState, ParameterError, Phase, Plan, Renderer, Rule, Sample, Situation,
+    AnyParams, Contact, EnergyBalance, EntryHold, HfcrParams, LoopParams, Method, MethodParams,
+    ObjectMotion, ObjectState, ParameterError, Phase, Plan, Renderer, Rule, Sample, Situation,
 };
 use palpate_study::sim::closed_loop::Bench;
 use palpate_testbed::device::{DevicePlant, PointMass};
@@ -251,9 +251,17 @@ fn without_the_work_of_f_v_closed_loops_reach_many_times_the_ideal_force() {
             let (printed, consistent) = (held(false), held(true));
             let transitions = smooth_transition.then_some(EntryHold::Crossing);
             let closed = closed_loop(name, params(transitions), window);
+            let closed_as_printed = AnyParams::Hfcr(HfcrParams {
+                smooth_transition,
+                balance: EnergyBalance::AsPrinted,
+                ..HfcrParams::default()
+            });
+            let closed_as_printed = closed_loop(name, closed_as_printed, window);
             // The quotient is the closed form in a loop, too.
-            for (quotient, closed) in consistent.iter().zip(&closed) {
-                assert!((quotient - closed).abs() < 1e-6 * ideal, "{name}");
+            for (quotients, closed) in [(&consistent, &closed), (&printed, &closed_as_printed)] {
+                for (quotient, closed) in quotients.iter().zip(closed) {
+                    assert!((quotient - closed).abs() < 1e-6 * ideal, "{name}");
+                }
             }
             let factor = |forces: &[f64]| peak(forces) / ideal;
             eprintln!(

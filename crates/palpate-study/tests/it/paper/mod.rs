@@ -14,6 +14,7 @@ mod leak_identity;
 mod leak_order;
 mod limits;
 mod object_motion;
+mod observers;
 mod passivity;
 mod readings;
 mod robustness;

@@ -4,7 +4,7 @@ use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::profile::{ForceProfile, Snapshot};
 
-/// A block falls onto a device of its own mass that is held against gravity.
+/// A block falls onto a device of its own mass that a hand pushes up.
 pub const FALLING_BLOCK: PointMassScene = PointMassScene {
     stiffness: 100.0,
     device_mass: 0.1,
