@@ -149,14 +149,15 @@ after a recovery, the force ramps up over 0.2 s. Both are as in `run`; --force-l
 disable them.
 
 With --time, the measured period is used; without it, lines are one --period apart. A header `position_m` or \
-`t_s,position_m` in the first line gets no answer and overrides --time. A line that is not a sample is \
+`t_s,position_m` in the first line gets no answer and overrides --time; with virtual_force_n after it, each \
+sample has a force on the object, added to --force. A line that is not a sample is \
 answered by 0 and a message on standard error, and the pipe continues; if every line is one of these, the exit \
 code is 5. A line whose time does not increase is treated in the same way, and time continues from there. A \
 wrong number of columns or an implausible motion ends the pipe with exit code 3: a decimal comma or another \
 unit must not move a motor.
 
-A line `set stiffness_n_per_m=800 mass_kg=0.2 virtual_force_n=-1`, with any of the three, changes them while \
-the pipe runs, over 0.1 s. It gets no line on standard output. Standard error confirms the change, or gives \
+A line `set stiffness_n_per_m=800 mass_kg=0.2 virtual_force_n=-1`, with any of these or damping_n_s_per_m, \
+changes them while the pipe runs, over 0.1 s. It gets no line on standard output. Standard error confirms the change, or gives \
 the reason why nothing changes.
 
 --delay is the time from a line to the beginning of its force, --lag and --gain describe the \

@@ -190,11 +190,15 @@ impl Stream {
                 .with_header(text)
                 .map_err(|why| refused(number, &why))?
         {
+            if format.virtual_force {
+                let why = "a calibration has no object: omit virtual_force_n";
+                return Err(refused(number, why));
+            }
             self.format = format;
             return Ok(());
         }
         let (time, position) = match self.format.parse(text) {
-            Ok(Line::Sample { time, position }) => (time, position),
+            Ok(Line::Sample { time, position, .. }) => (time, position),
             Ok(Line::Set(_)) => {
                 return Err(refused(number, "`set` is not allowed during a calibration"));
             }

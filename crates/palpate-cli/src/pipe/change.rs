@@ -4,14 +4,19 @@ use std::fmt;
 
 use palpate_core::{Contact, Parameter};
 use palpate_rt::{ChangeError, Parameters, Rendering};
-use palpate_scene::method::{MethodName, Settings, nearest};
+use palpate_scene::method::{MethodName, SettingKey, Settings, nearest};
 use palpate_scene::{SceneParameter, SceneParameterError, SetupError};
 use palpate_study::sim::replay::ReplaySetup;
 
 use palpate_study::text::exactly;
 
 /// Names of the parameters that can be set.
-const NAMES: [&str; 3] = ["stiffness_n_per_m", "mass_kg", "virtual_force_n"];
+const NAMES: [&str; 4] = [
+    "stiffness_n_per_m",
+    "mass_kg",
+    "virtual_force_n",
+    SettingKey::DAMPING.as_str(),
+];
 
 /// New values; `None` for unchanged parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,11 +27,13 @@ pub struct Change {
     mass: Option<f64>,
     /// Virtual force on the object `[N]`.
     virtual_force: Option<f64>,
+    /// Damping of the method: B of the virtual damper, b of HFCR `[N s/m]`.
+    damping: Option<f64>,
 }
 
 impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let values = [self.stiffness, self.mass, self.virtual_force];
+        let values = [self.stiffness, self.mass, self.virtual_force, self.damping];
         let set: Vec<_> = NAMES
             .iter()
             .zip(values)
@@ -57,6 +64,7 @@ impl TryFrom<&[&str]> for Change {
                 "stiffness_n_per_m" => &mut change.stiffness,
                 "mass_kg" => &mut change.mass,
                 "virtual_force_n" => &mut change.virtual_force,
+                "damping_n_s_per_m" => &mut change.damping,
                 _ => {
                     let near = nearest(name, &NAMES)
                         .map(|near| format!("did you mean {near}? "))
@@ -92,7 +100,7 @@ pub struct Changeable {
     pub setup: ReplaySetup,
     /// The method, which does not change.
     pub method: MethodName,
-    /// Its settings, which do not change.
+    /// Its settings, of which a line can change the damping.
     pub settings: Settings,
 }
 
@@ -114,8 +122,20 @@ impl Changeable {
             }
             setup.virtual_force = force;
         }
+        let mut settings = self.settings;
+        if let Some(damping) = change.damping {
+            if !self.method.uses(SettingKey::DAMPING) {
+                let users = SettingKey::DAMPING.users();
+                return Err(format!(
+                    "{} is for {users}, not for {}",
+                    SettingKey::DAMPING,
+                    self.method
+                ));
+            }
+            settings = settings.with(SettingKey::DAMPING, damping);
+        }
         let rendering =
-            rendering(&setup, self.method, &self.settings).map_err(|error| in_words(&error))?;
+            rendering(&setup, self.method, &settings).map_err(|error| in_words(&error))?;
         self.parameters
             .change(rendering)
             .map_err(|error| match error {
@@ -123,6 +143,7 @@ impl Changeable {
                 other => other.to_string(),
             })?;
         self.setup = setup;
+        self.settings = settings;
         Ok(())
     }
 }
@@ -158,6 +179,9 @@ fn named(error: &SceneParameterError) -> String {
     match error.parameter {
         SceneParameter::Rendered(Parameter::Stiffness) => error.called(NAMES[0]).to_string(),
         SceneParameter::Rendered(Parameter::ObjectMass) => error.called(NAMES[1]).to_string(),
+        SceneParameter::Rendered(Parameter::Setting(setting)) => {
+            error.called(setting.key.as_str()).to_string()
+        }
         _ => error.to_string(),
     }
 }
@@ -174,7 +198,7 @@ mod tests {
     #[test]
     fn a_change_is_said_as_a_line_would_set_it() {
         for line in [
-            "stiffness_n_per_m=800 mass_kg=inf virtual_force_n=-0.25",
+            "stiffness_n_per_m=800 mass_kg=inf virtual_force_n=-0.25 damping_n_s_per_m=0.5",
             "mass_kg=1e-300",
             "stiffness_n_per_m=1.5e300",
             "virtual_force_n=0",
@@ -197,7 +221,11 @@ mod tests {
             ("", "`set` has no values"),
             ("stiffness_n_per_m", "not NAME=VALUE"),
             ("stiffness=800", "did you mean stiffness_n_per_m?"),
-            ("colour=3", "stiffness_n_per_m, mass_kg, virtual_force_n"),
+            ("damping=1", "did you mean damping_n_s_per_m?"),
+            (
+                "colour=3",
+                "stiffness_n_per_m, mass_kg, virtual_force_n, damping_n_s_per_m",
+            ),
             ("mass_kg=1 mass_kg=2", "set twice"),
             ("mass_kg=0,1", "mass_kg is \"0,1\", but must be a number"),
         ] {

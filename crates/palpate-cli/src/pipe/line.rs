@@ -14,7 +14,12 @@ pub struct Format {
     pub unit: LengthUnit,
     /// Whether a flag set the unit.
     pub is_unit_given: bool,
+    /// Whether the virtual force of the sample follows the position; only a header sets it.
+    pub virtual_force: bool,
 }
+
+/// Name of the column of the virtual force.
+const VIRTUAL_FORCE: &str = "virtual_force_n";
 
 /// A valid line.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +30,8 @@ pub enum Line {
         time: Option<f64>,
         /// Device position `[m]`.
         position: f64,
+        /// Virtual force on the object from this sample on, added to that of the contact `[N]`; 0 without the column.
+        virtual_force: f64,
     },
     /// `set NAME=VALUE ...`: a change, or the reason for rejecting it.
     Set(Result<Change, String>),
@@ -44,11 +51,13 @@ impl Format {
     #[must_use]
     pub fn shape(&self) -> String {
         let position = self.unit.position_column();
-        if self.time {
-            format!("`t_s,{position}`")
+        let time = if self.time { "t_s," } else { "" };
+        let (comma, force) = if self.virtual_force {
+            (",", VIRTUAL_FORCE)
         } else {
-            format!("`{position}`")
-        }
+            ("", "")
+        };
+        format!("`{time}{position}{comma}{force}`")
     }
 
     /// Parses the header in the first line. Returns `None` if the line is not a header.
@@ -66,14 +75,19 @@ impl Format {
         if !are_names || (names.len() == 1 && !text.contains('_')) {
             return Ok(None);
         }
-        let (time, unit) = match names.as_slice() {
+        let (columns, virtual_force) = match names.as_slice() {
+            [columns @ .., VIRTUAL_FORCE] => (columns, true),
+            columns => (columns, false),
+        };
+        let (time, unit) = match columns {
             [position] => (false, unit_of(position)),
             ["t_s", position] => (true, unit_of(position)),
             _ => (false, None),
         };
         let Some(named) = unit else {
             return Err(
-                "unknown columns in the header; allowed: `position_m` or `t_s,position_m`, with m, cm, mm or um"
+                "unknown columns in the header; allowed: `position_m` or `t_s,position_m`, with m, cm, mm or um, and \
+                 virtual_force_n after it"
                     .into(),
             );
         };
@@ -91,7 +105,12 @@ impl Format {
                 ));
             }
         };
-        Ok(Some(Self { time, unit, ..self }))
+        Ok(Some(Self {
+            time,
+            unit,
+            virtual_force,
+            ..self
+        }))
     }
 
     /// Parses a line.
@@ -114,7 +133,11 @@ impl Format {
             .iter()
             .map(|field| field.parse::<f64>().map_err(|_| self.no_number(field)))
             .collect::<Result<Vec<f64>, _>>()?;
-        let (time, position) = match (self.time, numbers.as_slice()) {
+        let (columns, virtual_force) = match numbers.as_slice() {
+            [columns @ .., force] if self.virtual_force => (columns, *force),
+            columns => (columns, 0.0),
+        };
+        let (time, position) = match (self.time, columns) {
             (false, &[position]) => (None, position),
             (true, &[time, _]) if !time.is_finite() => {
                 return Err(Refusal::Line("the time is not a finite number".into()));
@@ -125,6 +148,7 @@ impl Format {
         Ok(Line::Sample {
             time,
             position: self.unit.metres(position),
+            virtual_force,
         })
     }
 
@@ -140,6 +164,9 @@ impl Format {
     fn other_columns(&self, text: &str, count: usize) -> String {
         let shape = self.shape();
         match (self.time, count) {
+            _ if self.virtual_force => {
+                format!("`{text}` has {count} columns; the header requires {shape} on every line")
+            }
             (false, _) => format!(
                 "`{text}` has {count} columns; expected {shape}: write decimals with a point, as in 0.001, or add \
                  --time if the lines contain a time and a position"
@@ -172,6 +199,7 @@ mod tests {
         time: false,
         unit: LengthUnit::Metre,
         is_unit_given: false,
+        virtual_force: false,
     };
     const TIMES: Format = Format {
         time: true,
@@ -187,7 +215,13 @@ mod tests {
 
     #[test]
     fn what_was_asked_for_decides_and_not_the_comma() {
-        let sample = |time, position| Ok(Line::Sample { time, position });
+        let sample = |time, position| {
+            Ok(Line::Sample {
+                time,
+                position,
+                virtual_force: 0.0,
+            })
+        };
         assert_eq!(POSITIONS.parse("0.001"), sample(None, 0.001));
         assert_eq!(TIMES.parse("0, 0.001"), sample(Some(0.0), 0.001));
         let comma = refused_stream(POSITIONS, "0,001");
@@ -228,6 +262,7 @@ mod tests {
         let in_metres = Line::Sample {
             time: None,
             position: 0.012,
+            virtual_force: 0.0,
         };
         assert_eq!(millimetres.parse("12"), Ok(in_metres.clone()));
         let named = POSITIONS.with_header("position_mm").unwrap().unwrap();
@@ -240,6 +275,26 @@ mod tests {
             other.contains("the unit cm") && other.contains("--unit is mm"),
             "{other}"
         );
+    }
+
+    #[test]
+    fn a_header_adds_the_virtual_force() {
+        let format = POSITIONS
+            .with_header("t_s,position_mm,virtual_force_n")
+            .unwrap()
+            .unwrap();
+        let sample = Line::Sample {
+            time: Some(0.5),
+            position: 0.001,
+            virtual_force: -0.981,
+        };
+        assert_eq!(format.parse("0.5,1,-0.981"), Ok(sample));
+        let short = refused_stream(format, "0.5,1");
+        assert!(
+            short.contains("requires `t_s,position_mm,virtual_force_n`"),
+            "{short}"
+        );
+        assert!(POSITIONS.with_header("virtual_force_n").is_err());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use palpate_core::{Fault, Output};
+use palpate_core::{Fault, Output, Sample};
 use palpate_device::Wrench;
 use palpate_record::recording::{self, ContactTick, Tick};
 use palpate_record::unit::HandMotion;
@@ -96,18 +96,21 @@ impl Stream {
     fn render(
         &mut self,
         number: u64,
-        sample: Option<(Option<f64>, f64)>,
+        sample: Option<(Option<f64>, f64, f64)>,
         unread: Option<String>,
     ) -> Result<Answer, Stopped> {
         let period = self.changeable.setup.loop_params.period;
         // NaN informs the renderer of a lost sample.
-        let (time, position) = sample.unwrap_or((None, f64::NAN));
+        let (time, position, virtual_force) = sample.unwrap_or((None, f64::NAN, 0.0));
         let elapsed = match (time, self.memory.last_time) {
             (Some(now), Some(last)) => Some(now - last),
             _ => None,
         };
         let _ = self.rendered.take_change();
-        let mut output = self.rendered.step(position, elapsed);
+        let mut output = self.rendered.step(Sample {
+            elapsed,
+            ..Sample::at(position).with_virtual_force(virtual_force)
+        });
         let is_used = output.fault.is_none();
         if is_used {
             self.follow(number, position, elapsed.unwrap_or(period))?;
@@ -293,7 +296,11 @@ impl Answering for Stream {
             Err(why) => Err(Refusal::Line(why)),
         };
         let (sample, unread) = match line {
-            Ok(Line::Sample { time, position }) => (Some((time, position)), None),
+            Ok(Line::Sample {
+                time,
+                position,
+                virtual_force,
+            }) => (Some((time, position, virtual_force)), None),
             Ok(Line::Set(change)) => {
                 self.change(number, change);
                 return Ok(());

@@ -146,6 +146,48 @@ fn mass_and_virtual_force_can_be_changed_too() {
     assert_eq!(pipe(block, &wall).code, 0);
 }
 
+/// The virtual force of a sample acts on the object over the interval that it begins: 0.2 N on 0.1 kg for 10 ms move it
+/// by 0.1 mm.
+#[test]
+fn each_sample_may_have_a_virtual_force() {
+    let block = "pipe --stiffness 400 --mass 0.1 --period 0.01 --method hfcr --object-position 0.01 \
+                 --columns object_position";
+    let rows = rows(&pipe(
+        block,
+        "position_m,virtual_force_n\n0,0\n0,0.2\n0,-0.4\n0,0\n",
+    ));
+    let expected = [0.01, 0.01, 0.0101, 0.0101, 0.0099];
+    let positions: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+    assert_eq!(positions.len(), 5, "{rows:?}");
+    for (found, expected) in positions[..4].iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-12, "{positions:?}");
+    }
+}
+
+#[test]
+fn a_damping_can_be_changed_too() {
+    let damped = "pipe --stiffness 400 --mass inf --period 0.001 --method virtual-damper --damping 0 \
+                  --columns force";
+    let moving: String = (0..300)
+        .map(|i| format!("{}\n", 1e-5 * f64::from(i)))
+        .collect();
+    let constant = rows(&pipe(damped, &moving));
+    let changed = rows(&pipe(
+        damped,
+        &format!("0\nset damping_n_s_per_m=2\n{moving}"),
+    ));
+    // 0.01 m/s against 2 N s/m, long after the change.
+    let added = changed[290][0] - constant[289][0];
+    assert!((added + 0.02).abs() < 1e-9, "{added}");
+    let negative = pipe(damped, "0\nset damping_n_s_per_m=-1\n0\n");
+    assert!(
+        negative
+            .stderr
+            .contains("damping_n_s_per_m is -1 N s/m, but must be finite and not below 0"),
+        "{negative:?}"
+    );
+}
+
 #[test]
 fn a_change_that_cannot_be_made_changes_nothing() {
     let cases = [
@@ -162,6 +204,10 @@ fn a_change_that_cannot_be_made_changes_nothing() {
             "virtual_force_n is inf N, but must be finite",
         ),
         ("set stiffness=800", "did you mean stiffness_n_per_m?"),
+        (
+            "set damping_n_s_per_m=1",
+            "damping_n_s_per_m is for virtual-damper, hfcr, not for",
+        ),
         ("set stiffness_n_per_m=0,8", "must be a number"),
         ("set", "`set` has no values"),
     ];

@@ -22,7 +22,7 @@ impl SettingKey {
 
     /// Returns the key, such as `damping_n_s_per_m`.
     #[must_use]
-    pub fn as_str(self) -> &'static str {
+    pub const fn as_str(self) -> &'static str {
         self.0
     }
 

@@ -1,6 +1,6 @@
 //! One contact along an axis of the device's frame, in the loop.
 
-use palpate_core::{Actuation, AlongAxis, Output, ParameterError};
+use palpate_core::{Actuation, AlongAxis, Output, ParameterError, Sample};
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags};
 
@@ -90,7 +90,10 @@ impl Renders for OneContact {
         }
         let coordinate = self.axis.coordinate(position);
         let before = self.rendered.ledger().held_leak;
-        let output = self.rendered.step(coordinate, sample.elapsed);
+        let output = self.rendered.step(Sample {
+            elapsed: sample.elapsed,
+            ..Sample::at(coordinate)
+        });
         let after = self.rendered.ledger().held_leak;
         self.delivered.close(&before, &after, sample.was_off);
         self.last = Some((position, output));

@@ -66,12 +66,9 @@ impl Rendered {
         self.running.report_held(force_on_object);
     }
 
-    /// Renders one tick at `position` `[m]`, `elapsed` `[s]` after the last one. After a change, the force on the
-    /// device `[N]` changes over from the previous rendering.
-    pub fn step(&mut self, position: f64, elapsed: Option<f64>) -> Output<f64> {
-        self.running.step(Sample {
-            elapsed,
-            ..Sample::at(position)
-        })
+    /// Renders one tick. The virtual force of the sample adds to that of the rendering. After a change, the force on
+    /// the device `[N]` changes over from the previous rendering.
+    pub fn step(&mut self, sample: Sample<f64>) -> Output<f64> {
+        self.running.step(sample)
     }
 }

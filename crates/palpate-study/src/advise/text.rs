@@ -2,10 +2,11 @@
 
 use std::fmt;
 
+use crate::map::bounds::least_explicit_mass;
 use crate::map::{PRESSED_WITH, RESTS_BELOW};
 use comfy_table::{Cell, CellAlignment};
 
-use super::{Advice, Evaluated, FAITHFUL_PERCENT, Reach, Verdict};
+use super::{Advice, ContactReport, Evaluated, FAITHFUL_PERCENT, Reach, Verdict};
 use crate::text::{E, counted, digits, legend, lines, number, percent, plain_table, wrapped};
 
 impl fmt::Display for Advice {
@@ -311,6 +312,19 @@ impl Advice {
         table
     }
 
+    /// Returns the least mass of an explicitly integrated object, for comparison with the lightest one.
+    fn least_mass_in_words(&self) -> String {
+        let least = |contact: &ContactReport| {
+            let least = least_explicit_mass(contact.stiffness_n_per_m, self.device.period_s);
+            format!(
+                "An object moved by an explicit integrator is passive from K T²/4 = {} kg (Brown-Colgate); here it is \
+                 moved exactly. ",
+                digits(least)
+            )
+        };
+        self.contact.as_ref().map(least).unwrap_or_default()
+    }
+
     fn bounds_in_words(&self) -> String {
         let bounds = &self.bounds;
         let without = |value: f64| {
@@ -322,7 +336,7 @@ impl Advice {
         };
         format!(
             "Classical bounds, of walls and the plain spring: Colgate-Schenkel {}, Gil {}, Abbott-Okamura {}. An \
-             undamped device on a wall with its best virtual damper, {} N s/m: {} N/m. All of these assume the \
+             undamped device on a wall with its best virtual damper, {} N s/m: {} N/m. {}All of these assume the \
              friction of the device alone; \"tuned\" tries {} dampings on this scene. Stiffest and lightest are \
              limits of stability alone: the force deviates far from the ideal's earlier. Faithful: mean-force error E \
              and hold bound are below {} %. Resting and pressed: standard deviation of the force over the pressing \
@@ -333,6 +347,7 @@ impl Advice {
             without(bounds.abbott_okamura_n_per_m),
             digits(bounds.undamped_wall_damping_n_s_per_m),
             digits(bounds.undamped_wall_n_per_m),
+            self.least_mass_in_words(),
             24,
             FAITHFUL_PERCENT
         )

@@ -58,6 +58,17 @@ pub fn stiffest_undamped_wall() -> f64 {
     undamped_wall(best_undamped_damping())
 }
 
+/// Returns the least mass of an object that a strictly causal integrator moves, `K T^2/4` `[kg]`, that is Kc = 4, for a
+/// `stiffness` `[N/m]` and a `period` `[s]`.
+///
+/// The admittance of such an integrator, T/(M (z - 1)), has the real part -T/(2M) at every frequency, so it is not
+/// passive, and no other strictly causal one is (Brown and Colgate, 1998). Behind a damping B it is passive for M >= B
+/// T/2; here B is that of a passive wall, K T/2. The exact motion has no such bound.
+#[must_use]
+pub fn least_explicit_mass(stiffness: f64, period: f64) -> f64 {
+    0.25 * stiffness * period * period
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

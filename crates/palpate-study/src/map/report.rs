@@ -395,6 +395,9 @@ impl MapReport {
             "device {} kg, period {} s, gap {} m ± 5 % in {} start heights",
             scene.device_mass_kg, scene.period_s, scene.gap_m, scene.start_heights
         )?;
+        let least = "The object is moved exactly; an explicit integrator is passive for Kc <= 4 only \
+                     (K T²/4, Brown-Colgate)";
+        writeln!(f, "{}", wrapped(least))?;
         let mut forces = format!(
             "forces {}; damped: {} N s/m",
             scene.forces, scene.viscous_friction_n_s_per_m

@@ -3,13 +3,16 @@
 //! This module runs the renderers of [`palpate_core`] on the testbed of [`palpate_testbed`]. It runs a scene
 //! ([`palpate_scene`]) in closed loop ([`closed_loop`]), on recorded motion ([`replay`]) or in a recorded hand
 //! ([`hand_replay`]) by any method ([`palpate_scene::method`]), and returns the evaluation with the run.
+//! [`acausal`] has the force of Eq. (7), which no loop can have, and [`integrated`] other integrators of the object.
 //! [`VirtualDevice`] is a scene's device for a loop outside this crate. [`device`] provides it, and a device in a
 //! pointer's hand, for real-time loops. [`sampled_loop`] has the single steps of the loop, [`ticks`] its ticks.
 
+pub mod acausal;
 pub mod closed_loop;
 mod delivery;
 pub mod device;
 pub mod hand_replay;
+pub mod integrated;
 mod loop_error;
 mod loop_record;
 mod own_device;

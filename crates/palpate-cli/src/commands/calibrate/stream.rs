@@ -36,6 +36,7 @@ pub fn excite(
         time: arguments.time,
         unit: unit.unwrap_or_default(),
         is_unit_given: unit.is_some(),
+        virtual_force: false,
     };
     let input = || io::stdin().lock();
     calibrate(params, format, input, Box::new(io::stdout()), &stop).map_err(|error| {

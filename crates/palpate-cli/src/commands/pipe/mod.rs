@@ -86,6 +86,7 @@ fn set_up(arguments: &PipeArguments, scene: Option<ContactFile>) -> Result<Strea
             time: arguments.stream.time,
             unit: arguments.stream.unit.unwrap_or_default(),
             is_unit_given: arguments.stream.unit.is_some(),
+            virtual_force: false,
         },
         columns: arguments.stream.columns.clone(),
         is_header_asked: arguments.stream.header,

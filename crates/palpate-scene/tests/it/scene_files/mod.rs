@@ -122,7 +122,7 @@ fn the_committed_scenes_are_good_and_run_by_every_method() {
         }
         eprintln!("{path:?}: {}", scene.title);
     }
-    assert_eq!(scenes.len(), 10 + 13 + 9 + 5);
+    assert_eq!(scenes.len(), 10 + 13 + 9 + 6);
 }
 
 #[test]

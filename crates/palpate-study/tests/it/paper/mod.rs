@@ -6,10 +6,12 @@
 
 mod trial;
 
+mod acausal;
 mod closed_forms;
 mod colgate;
 mod damping_estimate;
 mod fidelity;
+mod integrators;
 mod leak_identity;
 mod leak_order;
 mod limits;
