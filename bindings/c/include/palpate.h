@@ -710,6 +710,19 @@ typedef struct palpate_loop_params {
    */
   double guard_allowance;
   /*
+   Largest acceleration of the device by everything except the rendered force [m/s^2]: see HandBound. 0, the
+   default: the guard bounds by speed only. Else guard_mass is needed.
+   */
+  double guard_acceleration;
+  /*
+   Least mass of the device for the bound by acceleration [kg], greater than 0.
+   */
+  double guard_mass;
+  /*
+   Power by which the guard forgives energy that may have been given out unnoticed [W]. Default: 0.
+   */
+  double guard_recovery;
+  /*
    A palpate_guard. Default: PALPATE_GUARD_OFF.
    */
   uint32_t guard;

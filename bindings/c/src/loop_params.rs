@@ -1,7 +1,7 @@
 //! Parameters of the loop and of its device in the C API.
 
 use palpate_core::{
-    Actuation, Allowed, Guard, GuardParams, LoopParams as Core, Parameter, ParameterError, Scalar,
+    Actuation, Allowed, Guard, GuardParams, HandBound, LoopParams as Core, Parameter, ParameterError, Scalar,
 };
 
 use crate::choice;
@@ -62,6 +62,13 @@ pub struct LoopParams {
     pub guard_speed: f64,
     /// Energy that the guard allows beyond the energy balance [J].
     pub guard_allowance: f64,
+    /// Largest acceleration of the device by everything except the rendered force [m/s^2]: see HandBound. 0, the
+    /// default: the guard bounds by speed only. Else guard_mass is needed.
+    pub guard_acceleration: f64,
+    /// Least mass of the device for the bound by acceleration [kg], greater than 0.
+    pub guard_mass: f64,
+    /// Power by which the guard forgives energy that may have been given out unnoticed [W]. Default: 0.
+    pub guard_recovery: f64,
     /// A palpate_guard. Default: PALPATE_GUARD_OFF.
     pub guard: u32,
     /// Must be 0.
@@ -111,6 +118,9 @@ impl Default for LoopParams {
             encoder_quantum: 0.0,
             guard_speed: 0.0,
             guard_allowance: 0.0,
+            guard_acceleration: 0.0,
+            guard_mass: 0.0,
+            guard_recovery: 0.0,
             guard: GuardKind::Off as u32,
             reserved: 0,
         }
@@ -125,6 +135,12 @@ impl LoopParams {
         let guard_params = GuardParams {
             largest_speed: number(self.guard_speed),
             allowance: number(self.guard_allowance),
+            hand: (self.guard_acceleration != 0.0).then_some(HandBound {
+                acceleration: number(self.guard_acceleration),
+                least_mass: number(self.guard_mass),
+                quantum: number(self.encoder_quantum),
+                recovery: number(self.guard_recovery),
+            }),
         };
         let guard = match self.guard {
             0 => Guard::Off,

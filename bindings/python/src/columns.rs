@@ -78,6 +78,7 @@ fn acted(limited: Limited) -> [bool; LIMITS.len()] {
         force,
         slew,
         guard,
+        beyond_guard: _,
     } = limited;
     [pull, force, slew, guard]
 }

@@ -8,7 +8,7 @@ use palpate_record::recording::{Recording, RecordingError};
 use palpate_record::trace::Part;
 use palpate_scene::method::MethodName;
 use palpate_scene::{
-    ContactFile, Delay, GUARD_ALLOWANCE, GUARD_SPEED, Scene, SceneParameter, SetupError,
+    ContactFile, Delay, GuardBounds, Scene, SceneParameter, SetupError,
 };
 use palpate_study::device_loop::RecordedWorld;
 use palpate_study::hand_replay::{HandReplayError, HandReplayStep};
@@ -54,6 +54,9 @@ struct Changes {
     guard: Option<String>,
     guard_speed: Option<f64>,
     guard_allowance: Option<f64>,
+    guard_acceleration: Option<f64>,
+    guard_mass: Option<f64>,
+    guard_recovery: Option<f64>,
     delay: Option<f64>,
     delay_deviation: Option<f64>,
     lag: Option<f64>,
@@ -88,12 +91,29 @@ impl Changes {
                 "model_device_mass is {mass} kg, but must be finite and greater than 0"
             )));
         }
-        if self.guard.is_none() && (self.guard_speed.is_some() || self.guard_allowance.is_some()) {
+        let bounds = self.guard_bounds();
+        let given = [bounds.speed, bounds.allowance, bounds.acceleration];
+        if self.guard.is_none() && given.iter().any(Option::is_some) {
             return Err(refused(
-                "guard_speed and guard_allowance need a guard; give guard",
+                "guard_speed, guard_allowance and guard_acceleration need a guard; give guard",
+            ));
+        }
+        if bounds.lacks_acceleration() {
+            return Err(refused(
+                "guard_mass and guard_recovery need guard_acceleration",
             ));
         }
         Ok(())
+    }
+
+    fn guard_bounds(&self) -> GuardBounds {
+        GuardBounds {
+            speed: self.guard_speed,
+            allowance: self.guard_allowance,
+            acceleration: self.guard_acceleration,
+            least_mass: self.guard_mass,
+            recovery: self.guard_recovery,
+        }
     }
 
     /// Applies the changes to a scene.
@@ -122,10 +142,7 @@ impl Changes {
             limits.force_limit = (limit != f64::INFINITY).then_some(limit);
         }
         if let Some(guard) = &self.guard {
-            limits.guard = guard_named(guard)?.guard(
-                self.guard_speed.unwrap_or(GUARD_SPEED),
-                self.guard_allowance.unwrap_or(GUARD_ALLOWANCE),
-            );
+            limits.guard = guard_named(guard)?.guard(self.guard_bounds());
         }
         self.change_actuator(scene);
         scene.model_device_mass = self.model_device_mass.or(scene.model_device_mass);
@@ -187,8 +204,11 @@ impl Changes {
             Parameter::LargestGap => self.largest_gap.is_some(),
             Parameter::GuardSpeed => self.guard_speed.is_some(),
             Parameter::GuardAllowance => self.guard_allowance.is_some(),
+            Parameter::GuardAcceleration => self.guard_acceleration.is_some(),
+            Parameter::GuardMass => self.guard_mass.is_some(),
+            Parameter::GuardRecovery => self.guard_recovery.is_some(),
             Parameter::DeviceMass => self.device_mass.is_some(),
-            Parameter::EncoderQuantum | Parameter::NoiseBound => self.encoder_quantum.is_some(),
+            Parameter::EncoderQuantum | Parameter::NoiseBound | Parameter::GuardQuantum => self.encoder_quantum.is_some(),
             Parameter::Lag => self.lag.is_some(),
             Parameter::LagDeviation => self.lag_deviation.is_some(),
             Parameter::Gain => self.gain.is_some(),

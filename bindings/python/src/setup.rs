@@ -4,7 +4,7 @@ use palpate_core::{
     Actuation, Allowed, BasicParams, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState,
     Parameter, ParameterError, Range, Renderer, Side,
 };
-use palpate_scene::GuardMode;
+use palpate_scene::{GuardBounds, GuardMode};
 use palpate_study::sim::replay::ReplaySetup;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -30,7 +30,10 @@ pub struct Arguments {
     largest_gap: Option<f64>,
     guard: String,
     guard_speed: f64,
-    guard_allowance: f64,
+    guard_allowance: Option<f64>,
+    guard_acceleration: Option<f64>,
+    guard_mass: Option<f64>,
+    guard_recovery: Option<f64>,
     delay: f64,
     delay_deviation: f64,
     lag: f64,
@@ -62,6 +65,18 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
         ));
     }
     let guard = guard_named(&given.guard)?;
+    let bounds = GuardBounds {
+        speed: Some(given.guard_speed),
+        allowance: given.guard_allowance,
+        acceleration: given.guard_acceleration,
+        least_mass: given.guard_mass,
+        recovery: given.guard_recovery,
+    };
+    if bounds.lacks_acceleration() {
+        return Err(refused(
+            "guard_mass and guard_recovery need guard_acceleration",
+        ));
+    }
     let setup = ReplaySetup {
         contact,
         loop_params: LoopParams {
@@ -70,7 +85,7 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
             // An infinite limit means no limit.
             force_limit: (given.force_limit != f64::INFINITY).then_some(given.force_limit),
             slew_limit: given.slew_limit,
-            guard: guard.guard(given.guard_speed, given.guard_allowance),
+            guard: guard.guard(bounds),
             ..LoopParams::new(given.period)
         },
         object: ObjectState {

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use std::thread;
 
 use palpate::{
-    Actuation, AnyParams, BasicParams, Contact, CoupledParams, Guard, GuardParams, HfcrParams,
+    Actuation, AnyParams, BasicParams, Contact, CoupledParams, Guard, GuardParams, HandBound, HfcrParams,
     LARGEST_DELAY, LoopParams, MethodParams, ObjectState, Phase, Renderer, Sample, Scalar,
 };
 
@@ -85,6 +85,10 @@ fn measured<S: Scalar, P: MethodParams<S> + Copy>(params: P, delay: f64, needs: 
         guard: Guard::Report(GuardParams {
             largest_speed: of(1.0),
             allowance: of(1e-3),
+            hand: Some(HandBound {
+                recovery: of(0.01),
+                ..HandBound::of_force(of(20.0), of(0.1))
+            }),
         }),
         ..LoopParams::new(of(0.01))
     };

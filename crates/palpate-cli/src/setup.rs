@@ -8,7 +8,7 @@ use palpate_core::{
     Allowed, BasicParams, Contact, LoopParams, Mass, ObjectState, Parameter, Range, Renderer,
 };
 use palpate_scene::method::{MethodName, Setting, Settings};
-use palpate_scene::{Delay, Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, SceneParameter};
+use palpate_scene::{Delay, Dropped, GuardBounds, Jitter, Scene, SceneParameter};
 use palpate_study::sim::replay::ReplaySetup;
 
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
@@ -225,10 +225,13 @@ impl Flags {
             }),
             slew_limit: self.slew_limit.or(others.slew_limit),
             guard: self.guard.map_or(others.guard, |mode| {
-                mode.guard(
-                    self.guard_speed.unwrap_or(GUARD_SPEED),
-                    self.guard_allowance.unwrap_or(GUARD_ALLOWANCE),
-                )
+                mode.guard(GuardBounds {
+                    speed: self.guard_speed,
+                    allowance: self.guard_allowance,
+                    acceleration: self.guard_acceleration,
+                    least_mass: self.guard_mass,
+                    recovery: self.guard_recovery,
+                })
             }),
             ..others
         }
@@ -305,6 +308,9 @@ impl Flags {
             Parameter::LargestGap,
             Parameter::GuardSpeed,
             Parameter::GuardAllowance,
+            Parameter::GuardAcceleration,
+            Parameter::GuardMass,
+            Parameter::GuardRecovery,
             Parameter::DeviceMass,
             Parameter::EncoderQuantum,
         ];

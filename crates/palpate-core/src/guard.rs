@@ -121,6 +121,14 @@ impl<S: Scalar> HandBound<S> {
         }
     }
 
+    /// Returns the allowance that renders forces up to `force` `[N]` in periods of `period` `[s]` without a limit, for
+    /// an actuator without delay `[J]`.
+    #[must_use]
+    pub fn allowance_for(&self, force: S, period: S) -> S {
+        let moved = self.acceleration * period * period + self.quantum;
+        force * moved + force * force * period * period / self.least_mass
+    }
+
     fn faults(&self) -> [Option<ParameterError>; 4] {
         [
             Parameter::GuardAcceleration
@@ -179,8 +187,6 @@ pub(crate) struct GuardMemory<S> {
     hidden: S,
     /// Largest energy that forces gave out in intervals without a position at their end `[J]`.
     unseen: S,
-    /// Number of intervals with an acceleration beyond the bound.
-    exceeded: u32,
 }
 
 /// Motion of the device over an interval.
@@ -203,13 +209,13 @@ impl<S: Scalar> GuardMemory<S> {
             held: S::ZERO,
             hidden: S::ZERO,
             unseen: S::ZERO,
-            exceeded: 0,
         }
     }
 
-    /// Returns the number of intervals in which the device accelerated beyond the bound.
-    pub fn exceeded(&self) -> u32 {
-        self.exceeded
+    /// Returns whether the device accelerated beyond the bound in the last interval.
+    #[inline]
+    pub fn is_exceeded(&self) -> bool {
+        self.last.is_some() && !self.is_within
     }
 
     /// Ends an interval of `elapsed` `[s]`, in which the device `moved` `[m]` under the force `held`.
@@ -228,9 +234,6 @@ impl<S: Scalar> GuardMemory<S> {
         self.is_within = !self
             .last
             .is_some_and(|before| hand.is_exceeded(&before, &now));
-        if !self.is_within {
-            self.exceeded = self.exceeded.saturating_add(1);
-        }
         self.last = Some(now);
         let by_acceleration = hand.acceleration * held.course
             + (-(held.mean * held.lead)).max(S::ZERO) / hand.least_mass;

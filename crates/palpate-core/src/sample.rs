@@ -150,6 +150,9 @@ pub struct Limited {
     pub slew: bool,
     /// It could give out more energy than the [`Guard`](crate::Guard)'s bound.
     pub guard: bool,
+    /// The device accelerated beyond the guard's [`HandBound`](crate::HandBound) in the interval that this sample ends.
+    /// For the next force the guard uses the bound by speed. It changes no force by itself.
+    pub beyond_guard: bool,
 }
 
 impl Limited {

@@ -89,6 +89,7 @@ mod tests {
             fault: None,
         };
         let ledger = Ledger {
+            opening: 6.5,
             stored: 7.0,
             port_work: 8.0,
             virtual_force_work: 9.0,

@@ -354,7 +354,7 @@ impl Reading<'_> {
         }
     }
 
-    /// Rejects limits of torque and turning, which one axis lacks.
+    /// Rejects limits of torque and turning, which one axis lacks, and bounds of an acceleration that is not given.
     fn refuse_torque(&mut self, render: &RawRender) {
         let guard = render.guard.as_ref();
         let turning = guard.and_then(|guard| guard.turning_rad_per_s.as_ref());
@@ -366,6 +366,14 @@ impl Reading<'_> {
             ("render.guard.turning_rad_per_s", turning.map(Spanned::span)),
         ];
         self.refuse(&keys, "needs a device of six axes, with inertia_kg_m2");
+        if let Some(guard) = guard.filter(|guard| guard.acceleration_m_per_s2.is_none()) {
+            let span = |value: &Option<Spanned<f64>>| value.as_ref().map(Spanned::span);
+            let keys = [
+                ("render.guard.least_mass_kg", span(&guard.least_mass_kg)),
+                ("render.guard.recovery_w", span(&guard.recovery_w)),
+            ];
+            self.refuse(&keys, "needs acceleration_m_per_s2");
+        }
     }
 
     /// Returns the device mass of the renderer's model `[kg]`, if it differs from `mass` `[kg]`.

@@ -1,6 +1,6 @@
 //! Modes of a guard, and its defaults.
 
-use palpate_core::{Guard, GuardParams};
+use palpate_core::{Guard, GuardParams, HandBound};
 use serde::Deserialize;
 
 /// Action of a guard on a force beyond its bound.
@@ -35,12 +35,24 @@ impl GuardMode {
         Self::ALL.into_iter().find(|mode| mode.name() == name)
     }
 
-    /// The guard against device speeds up to `largest_speed` `[m/s]`, with an `allowance` `[J]`.
+    /// Returns the guard of one contact with these bounds.
     #[must_use]
-    pub fn guard(self, largest_speed: f64, allowance: f64) -> Guard<f64> {
+    pub fn guard(self, bounds: GuardBounds) -> Guard<f64> {
+        let hand = bounds.acceleration.map(|acceleration| HandBound {
+            acceleration,
+            least_mass: bounds.least_mass.unwrap_or(0.0),
+            quantum: 0.0,
+            recovery: bounds.recovery.unwrap_or(GUARD_RECOVERY),
+        });
+        let usual = if hand.is_some() {
+            HAND_GUARD_ALLOWANCE
+        } else {
+            GUARD_ALLOWANCE
+        };
         let params = GuardParams {
-            largest_speed,
-            allowance,
+            largest_speed: bounds.speed.unwrap_or(GUARD_SPEED),
+            allowance: bounds.allowance.unwrap_or(usual),
+            hand,
         };
         match self {
             Self::Off => Guard::Off,
@@ -50,7 +62,56 @@ impl GuardMode {
     }
 }
 
+/// Bounds of the guard of one contact; `None`: the default.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct GuardBounds {
+    /// Largest device speed `[m/s]`.
+    pub speed: Option<f64>,
+    /// Energy allowance `[J]`.
+    pub allowance: Option<f64>,
+    /// Largest acceleration of the device by everything except the rendered force `[m/s^2]`. `None`: no bound.
+    pub acceleration: Option<f64>,
+    /// Least mass of the device `[kg]`. `None`: half of its model mass.
+    pub least_mass: Option<f64>,
+    /// Power of the recovery `[W]`.
+    pub recovery: Option<f64>,
+}
+
+impl GuardBounds {
+    /// Returns whether a value is given that has an effect only with an acceleration.
+    #[must_use]
+    pub fn lacks_acceleration(&self) -> bool {
+        self.acceleration.is_none() && (self.least_mass.is_some() || self.recovery.is_some())
+    }
+}
+
+/// Returns the guard with the quantum `[m]` of a device, and half of its model mass `[kg]` as least mass if no other
+/// one was given.
+#[must_use]
+pub fn guard_of_device(guard: Guard<f64>, device_mass: Option<f64>, quantum: f64) -> Guard<f64> {
+    let complete = |params: GuardParams<f64>| GuardParams {
+        hand: params.hand.map(|hand| HandBound {
+            least_mass: match device_mass {
+                Some(mass) if hand.least_mass == 0.0 => 0.5 * mass,
+                _ => hand.least_mass,
+            },
+            quantum,
+            ..hand
+        }),
+        ..params
+    };
+    match guard {
+        Guard::Off => Guard::Off,
+        Guard::Report(params) => Guard::Report(complete(params)),
+        Guard::Limit(params) => Guard::Limit(complete(params)),
+    }
+}
+
 /// Default device speed of a guard `[m/s]`: a brisk hand.
 pub const GUARD_SPEED: f64 = 1.0;
 /// Allowance of a guard where none is stated `[J]`.
 pub const GUARD_ALLOWANCE: f64 = 1e-3;
+/// Allowance of a guard with a bound on the acceleration where none is stated `[J]`.
+pub const HAND_GUARD_ALLOWANCE: f64 = 0.02;
+/// Default power by which a guard forgives energy that may have been given out unnoticed `[W]`.
+pub const GUARD_RECOVERY: f64 = 0.02;

@@ -47,7 +47,10 @@ pub use device::{PantographDevice, PointMassDevice, SceneDevice};
 pub use edit::Edit;
 pub use fault::in_plain_words;
 pub use fault::{SceneError, SceneErrors};
-pub use guard::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode};
+pub use guard::{
+    GUARD_ALLOWANCE, GUARD_RECOVERY, GUARD_SPEED, GuardBounds, GuardMode, HAND_GUARD_ALLOWANCE,
+    guard_of_device,
+};
 pub use hand::{Grip, Hand, Intention, Wave};
 pub use linkage::{HandForceAt, Linkage};
 pub use model::{Model, quantum_of};
@@ -160,6 +163,13 @@ impl Scene {
     pub fn loop_params_with_delay(&self) -> LoopParams<f64> {
         LoopParams {
             actuation: self.model_actuation(),
+            guard: guard_of_device(
+                self.loop_params.guard,
+                Some(self.model_device_mass.unwrap_or(self.device.mass())),
+                self.model
+                    .sensor_quantum
+                    .unwrap_or(self.device.encoder_quantum()),
+            ),
             ..self.loop_params
         }
     }

@@ -129,8 +129,13 @@ fn key_of_rendered(parameter: Parameter) -> &'static str {
         Parameter::SlewLimit => "render.slew_limit_n_per_s",
         Parameter::GuardSpeed => "render.guard.speed_m_per_s",
         Parameter::GuardAllowance => "render.guard.allowance_j",
+        Parameter::GuardAcceleration => "render.guard.acceleration_m_per_s2",
+        Parameter::GuardMass => "render.guard.least_mass_kg",
+        Parameter::GuardRecovery => "render.guard.recovery_w",
         Parameter::DeviceMass => "device.mass_kg",
-        Parameter::EncoderQuantum | Parameter::NoiseBound => "device.quantum_m",
+        Parameter::EncoderQuantum | Parameter::GuardQuantum | Parameter::NoiseBound => {
+            "device.quantum_m"
+        }
         Parameter::Setting(setting) => setting.key.as_str(),
         Parameter::DelayDeviation => "model.delay_deviation_s",
         Parameter::Lag => "model.lag_s",

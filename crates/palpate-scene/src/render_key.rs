@@ -5,7 +5,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::fault::Places;
-use super::guard::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode};
+use super::guard::{GuardBounds, GuardMode};
 use super::parameter::SceneParameter;
 
 /// Method, limits and guard.
@@ -30,6 +30,9 @@ pub(crate) struct RawGuard {
     pub speed_m_per_s: Option<Spanned<f64>>,
     pub turning_rad_per_s: Option<Spanned<f64>>,
     pub allowance_j: Option<Spanned<f64>>,
+    pub acceleration_m_per_s2: Option<Spanned<f64>>,
+    pub least_mass_kg: Option<Spanned<f64>>,
+    pub recovery_w: Option<Spanned<f64>>,
     pub late_samples: Option<Spanned<usize>>,
 }
 
@@ -52,14 +55,16 @@ impl RawRender {
             ..LoopParams::new(period)
         };
         let guard = self.guard.map_or(Guard::Off, |guard| {
-            guard.mode.guard(
-                places.take_or(Parameter::GuardSpeed, guard.speed_m_per_s, GUARD_SPEED),
-                places.take_or(
-                    Parameter::GuardAllowance,
-                    guard.allowance_j,
-                    GUARD_ALLOWANCE,
-                ),
-            )
+            let mut bound = |of: Parameter, value: Option<Spanned<f64>>| {
+                value.map(|value| places.take(of, value))
+            };
+            guard.mode.guard(GuardBounds {
+                speed: bound(Parameter::GuardSpeed, guard.speed_m_per_s),
+                allowance: bound(Parameter::GuardAllowance, guard.allowance_j),
+                acceleration: bound(Parameter::GuardAcceleration, guard.acceleration_m_per_s2),
+                least_mass: bound(Parameter::GuardMass, guard.least_mass_kg),
+                recovery: bound(Parameter::GuardRecovery, guard.recovery_w),
+            })
         });
         LoopParams {
             guard,

@@ -422,12 +422,17 @@ impl File {
             Guard::Limit(params) => ("limit", params),
         };
         let (speed, allowance) = (params.largest_speed, params.allowance);
-        self.line(
-            "guard",
-            &format!(
-                "{{ mode = \"{mode}\", speed_m_per_s = {speed:?}, allowance_j = {allowance:?} }}"
-            ),
-        );
+        let mut table =
+            format!("mode = \"{mode}\", speed_m_per_s = {speed:?}, allowance_j = {allowance:?}");
+        if let Some(hand) = params.hand {
+            let (acceleration, recovery) = (hand.acceleration, hand.recovery);
+            table +=
+                &format!(", acceleration_m_per_s2 = {acceleration:?}, recovery_w = {recovery:?}");
+            if hand.least_mass != 0.0 {
+                table += &format!(", least_mass_kg = {:?}", hand.least_mass);
+            }
+        }
+        self.line("guard", &format!("{{ {table} }}"));
     }
 
     fn settings(&mut self, method: MethodName, given: &Settings) {

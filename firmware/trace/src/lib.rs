@@ -46,6 +46,7 @@ pub fn loop_params() -> LoopParams<f32> {
         guard: Guard::Limit(GuardParams {
             largest_speed: 1.0,
             allowance: 1e-3,
+            hand: None,
         }),
         ..LoopParams::new(PERIOD).with_force_limit(5.0)
     }

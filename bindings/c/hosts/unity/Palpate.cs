@@ -56,6 +56,9 @@ namespace Palpate
         public double EncoderQuantum;
         public double GuardSpeed;
         public double GuardAllowance;
+        public double GuardAcceleration;
+        public double GuardMass;
+        public double GuardRecovery;
         public uint Guard;
         internal uint Reserved;
 

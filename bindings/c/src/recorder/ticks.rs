@@ -235,6 +235,7 @@ impl Answer {
                 force: is(Limit::Force),
                 slew: is(Limit::Slew),
                 guard: is(Limit::Guard),
+                beyond_guard: false,
             },
             fault: None,
         }

@@ -495,7 +495,15 @@ def _scene(device: Device, renderer: Renderer) -> str | None:
     period = given["period"]
     guard = None
     if given["guard"] != "off":
-        guard = {"mode": given["guard"], "speed_m_per_s": given["guard_speed"], "allowance_j": given["guard_allowance"]}
+        guard = {
+            "mode": given["guard"],
+            "speed_m_per_s": given["guard_speed"],
+            "allowance_j": given["guard_allowance"],
+            "acceleration_m_per_s2": given["guard_acceleration"],
+            "least_mass_kg": given["guard_mass"],
+            "recovery_w": given["guard_recovery"],
+        }
+        guard = {key: value for key, value in guard.items() if value is not None}
     limit = given["force_limit"]
     keys = {setting.name: setting.key for setting in METHODS[method].settings}
     is_wall = given["mass"] == float("inf")

@@ -36,7 +36,11 @@ class Renderer(Fixed, _palpate.Renderer):
         largest_gap: Longest time between samples that is bridged [s]; `None`: 20 periods.
         guard: Passivity guard, a bound on the generated energy: `"off"`, `"report"` or `"limit"`.
         guard_speed: Largest device speed that the guard assumes [m/s].
-        guard_allowance: Generated energy that the guard tolerates [J].
+        guard_allowance: Generated energy that the guard tolerates [J]; `None`: 0.001, or 0.02 with `guard_acceleration`.
+        guard_acceleration: Largest acceleration of the device by everything except the rendered force [m/s^2]; the guard
+            then bounds by the last step too. `None`: by speed only.
+        guard_mass: Least device mass for this bound [kg]; `None`: half of `device_mass`.
+        guard_recovery: Power by which the guard forgives energy that may have been given out unnoticed [W].
         delay: Time from a sample to the beginning of its force [s], at most 8 periods.
         delay_deviation: Standard deviation of the delay [s].
         lag: Time constant of the actuator [s].
@@ -74,7 +78,10 @@ class Renderer(Fixed, _palpate.Renderer):
         largest_gap: float | None = None,
         guard: str = "off",
         guard_speed: float = 1.0,
-        guard_allowance: float = 1e-3,
+        guard_allowance: float | None = None,
+        guard_acceleration: float | None = None,
+        guard_mass: float | None = None,
+        guard_recovery: float | None = None,
         delay: float = 0.0,
         delay_deviation: float = 0.0,
         lag: float = 0.0,

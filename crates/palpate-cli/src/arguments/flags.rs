@@ -148,7 +148,39 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub guard_speed: Option<f64>,
-    /// Additional energy allowance of the guard [J] [default: 0.001; 0.05 in a world]
+    /// Largest acceleration of the device by everything except the rendered force, for example hand force over device
+    /// mass: the guard then also permits each force that cannot give out too much before the next sample, and charges
+    /// the sensor's quantum and forces that change between samples. One contact only [m/s^2] [default: no bound]
+    #[arg(
+        long,
+        value_name = "m/s^2",
+        value_parser = number,
+        allow_hyphen_values = true,
+        requires = "guard",
+        help_heading = "Loop"
+    )]
+    pub guard_acceleration: Option<f64>,
+    /// Least device mass for which the guard is designed [kg] [default: half the model mass of the device]
+    #[arg(
+        long,
+        value_name = "kg",
+        value_parser = number,
+        allow_hyphen_values = true,
+        requires = "guard_acceleration",
+        help_heading = "Loop"
+    )]
+    pub guard_mass: Option<f64>,
+    /// Power by which the guard forgives energy that may have been given out unnoticed; 0: none [W] [default: 0.02]
+    #[arg(
+        long,
+        value_name = "W",
+        value_parser = number,
+        allow_hyphen_values = true,
+        requires = "guard_acceleration",
+        help_heading = "Loop"
+    )]
+    pub guard_recovery: Option<f64>,
+    /// Additional energy allowance of the guard [J] [default: 0.001; 0.02 with --guard-acceleration; 0.05 in a world]
     #[arg(
         long,
         value_name = "J",

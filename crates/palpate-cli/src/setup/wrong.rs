@@ -108,8 +108,11 @@ impl Flags {
             Parameter::LargestGap => valued("--largest-gap", self.largest_gap),
             Parameter::GuardSpeed => valued("--guard-speed", self.guard_speed),
             Parameter::GuardAllowance => valued("--guard-allowance", self.guard_allowance),
+            Parameter::GuardAcceleration => valued("--guard-acceleration", self.guard_acceleration),
+            Parameter::GuardMass => valued("--guard-mass", self.guard_mass),
+            Parameter::GuardRecovery => valued("--guard-recovery", self.guard_recovery),
             Parameter::DeviceMass => valued("--device-mass", self.device_mass),
-            Parameter::EncoderQuantum | Parameter::NoiseBound => {
+            Parameter::EncoderQuantum | Parameter::NoiseBound | Parameter::GuardQuantum => {
                 valued("--encoder-quantum", self.encoder_quantum)
             }
             Parameter::DelayDeviation => valued("--delay-deviation", of.delay_deviation),

@@ -110,12 +110,6 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
         &self.ledger
     }
 
-    /// Returns the number of intervals in which the device accelerated beyond the
-    /// [`HandBound`](crate::HandBound) of the guard. In these intervals the guard uses the bound by speed.
-    pub fn beyond_guard(&self) -> u32 {
-        self.guard.exceeded()
-    }
-
     /// Records the stored energy of a contact that restarts: opens the ledger, or records the change while the contact
     /// was not tracked. Returns false, without effect, if the energy or a ledger entry would not be finite.
     #[must_use]

@@ -283,6 +283,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             (wanted, limited) = self.bounded(sum, limited);
         }
         let mut commanded = self.slewed(wanted, state.commanded, elapsed, &mut limited);
+        limited.beyond_guard = state.guard.is_exceeded();
         if let Some([push, pull]) = self.guard_bounds(state)
             && !(-pull <= commanded && commanded <= push)
         {

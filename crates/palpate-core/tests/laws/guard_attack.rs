@@ -152,7 +152,7 @@ impl Target {
         };
         let (mut commands, mut begun) = ([(0.0, 0.0); LENGTH], 0);
         let (mut aim, mut available, mut put_in) = (0.0, 0.0f64, 0.0);
-        let (mut worst, mut object) = (f64::NEG_INFINITY, attack.gap);
+        let (mut worst, mut object, mut beyond) = (f64::NEG_INFINITY, attack.gap, 0);
         let recovery = match self.renderer.loop_params().guard {
             Guard::Limit(params) => params.hand.unwrap().recovery,
             _ => 0.0,
@@ -166,6 +166,7 @@ impl Target {
             let sample = Sample::at(seen).with_virtual_force(self.weight);
             let output = self.renderer.step(&mut state, sample);
             assert_eq!(output.fault, None);
+            beyond += u32::from(output.limited.beyond_guard);
             put_in += self.weight * (output.object_position - object);
             object = output.object_position;
             commands[i] = (gain * output.force_on_object, put_in);
@@ -188,7 +189,7 @@ impl Target {
                     device.moves(attack.mass, acceleration, aim, lag, until - now);
                     now = until;
                     if device.velocity.abs() > SPEED {
-                        return (worst, state.beyond_guard());
+                        return (worst, beyond);
                     }
                     if device.felt != 0.0 {
                         worst = worst.max(device.given_out - available - recovery * now);
@@ -196,7 +197,7 @@ impl Target {
                 }
             }
         }
-        (worst, state.beyond_guard())
+        (worst, beyond)
     }
 
     /// Returns the best of attacks that are improved in `tries` steps, and the intervals beyond the bound.
@@ -310,14 +311,16 @@ struct Pressed {
     hand: (f64, f64),
     delay: usize,
     force_limit: Option<f64>,
+    quantum: f64,
     guard: Guard<f64>,
     /// Sample at which the device is displaced, and by how much `[m]`.
     tap: (usize, f64),
 }
 
 impl Pressed {
-    /// Returns the command of each sample, as a force on the object `[N]`, and the intervals beyond the bound.
-    fn rendered(&self, samples: usize) -> (Vec<f64>, u32) {
+    /// Returns the command of each sample, as a force on the object `[N]`, the intervals beyond the bound, and the
+    /// device's mean position in the last second `[m]`.
+    fn rendered(&self, samples: usize) -> (Vec<f64>, u32, f64) {
         const PERIOD: f64 = 1e-3;
         const STEPS: usize = 16;
         let loop_params = LoopParams {
@@ -326,17 +329,26 @@ impl Pressed {
             guard: self.guard,
             ..LoopParams::new(PERIOD)
         };
-        let params = CoupledParams::new(self.mass);
+        let params = CoupledParams::new(self.mass).with_encoder_quantum(self.quantum);
         let renderer = Renderer::new(Contact::wall(self.stiffness), loop_params, params).unwrap();
         let mut state = renderer.start(ObjectState::at_rest(0.0)).unwrap();
-        let (mut x, mut v) = (0.0, 0.0);
+        let (mut x, mut v, mut beyond, mut sum) = (0.0, 0.0, 0, 0.0);
         let mut forces = Vec::with_capacity(samples);
         for i in 0..samples {
             if i == self.tap.0 {
                 x += self.tap.1;
             }
-            let output = renderer.step(&mut state, Sample::at(x));
+            if i + 1000 >= samples {
+                sum += x;
+            }
+            let seen = if self.quantum > 0.0 {
+                (x / self.quantum).round() * self.quantum
+            } else {
+                x
+            };
+            let output = renderer.step(&mut state, Sample::at(seen));
             assert_eq!(output.fault, None);
+            beyond += u32::from(output.limited.beyond_guard);
             forces.push(output.force_on_object);
             let held = i.checked_sub(self.delay).map_or(0.0, |sent| forces[sent]);
             let h = PERIOD / STEPS as f64;
@@ -348,19 +360,19 @@ impl Pressed {
                 x += 0.5 * v * h;
             }
         }
-        (forces, state.beyond_guard())
+        (forces, beyond, sum / 1000.0)
     }
 }
 
-fn limits(allowance: f64) -> Guard<f64> {
+fn limits(allowance: f64, quantum: f64) -> Guard<f64> {
     Guard::Limit(GuardParams {
         largest_speed: SPEED,
         allowance,
         hand: Some(HandBound {
             acceleration: ACCELERATION,
             least_mass: LEAST_MASS,
-            quantum: 0.0,
-            recovery: 0.0,
+            quantum,
+            recovery: if quantum > 0.0 { 0.02 } else { 0.0 },
         }),
     })
 }
@@ -380,18 +392,19 @@ fn undamped_springy_hands_with_delay_stay_bounded() {
                 hand: (stiffness, 0.0),
                 delay,
                 force_limit: None,
+                quantum: 0.0,
                 guard,
                 tap: (0, -1e-3),
             };
             let seconds = |guard, count: usize| {
-                let (forces, _) = pressed(guard).rendered(count * 1000);
+                let (forces, ..) = pressed(guard).rendered(count * 1000);
                 [
                     largest(&forces[..1000]),
                     largest(&forces[(count - 1) * 1000..]),
                 ]
             };
             let open = seconds(Guard::Off, 30);
-            let guarded = seconds(limits(1e-3), 60);
+            let guarded = seconds(limits(1e-3, 0.0), 60);
             println!("{stiffness} N/m, {delay} samples: {open:.1?} N, guarded {guarded:.1?} N");
             assert!(open[1] > 1.5 * guarded[1], "{open:?} N, {guarded:?} N");
         }
@@ -408,18 +421,53 @@ fn clipped_wall_comes_to_rest_under_guard() {
             hand: (0.0, 1.0),
             delay: 0,
             force_limit: Some(20.0),
+            quantum: 0.0,
             guard,
             tap: (3000, -0.0005),
         };
-        let (forces, beyond) = pressed.rendered(10_000);
+        let (forces, beyond, _) = pressed.rendered(10_000);
         let last = &forces[9_000..];
         let least = last.iter().copied().fold(f64::INFINITY, f64::min);
         println!("{least:.2} to {:.2} N, {beyond} beyond", largest(last));
         (least, largest(last))
     };
     for allowance in [1e-3, 2e-2] {
-        let (least, most) = swing(limits(allowance));
+        let (least, most) = swing(limits(allowance, 0.0));
         assert!(12.99 < least && most < 13.01, "{least} to {most} N");
+    }
+}
+
+/// A table of docs/results/coupled-limits.md.
+#[test]
+fn pressed_wall_hardly_sinks_under_guard() {
+    for stiffness in [2e3, 1e4, 4e4, 1.6e5] {
+        let sink = |guard, quantum| {
+            let pressed = Pressed {
+                stiffness,
+                mass: 0.25,
+                push: 3.0,
+                hand: (0.0, 2.0),
+                delay: 0,
+                force_limit: None,
+                quantum,
+                guard,
+                tap: (0, -1e-3),
+            };
+            let (.., position) = pressed.rendered(20_000);
+            1e3 * (position - 3.0 / stiffness)
+        };
+        let sinks = [0.0, 1e-5].map(|quantum| {
+            let [least, usual] = [1e-3, 2e-2].map(|j| sink(limits(j, quantum), quantum));
+            let open = sink(Guard::Off, quantum);
+            println!(
+                "{stiffness} N/m, {quantum} m: off {open:.3}, 1 mJ {least:.3}, 20 mJ {usual:.3} mm"
+            );
+            usual
+        });
+        assert!(
+            sinks.iter().all(|sink| sink.abs() < 0.3),
+            "{stiffness} N/m: {sinks:?} mm"
+        );
     }
 }
 

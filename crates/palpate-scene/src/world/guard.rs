@@ -38,6 +38,17 @@ pub fn usual_guard() -> WorldGuardParams {
 
 impl Reading {
     pub(super) fn guard(&mut self, raw: RawGuard) -> WorldGuard {
+        let of_one_contact = [
+            ("acceleration_m_per_s2", &raw.acceleration_m_per_s2),
+            ("least_mass_kg", &raw.least_mass_kg),
+            ("recovery_w", &raw.recovery_w),
+        ];
+        for (key, value) in of_one_contact {
+            if let Some(value) = value {
+                let message = format!("render.guard.{key} needs a scene of one contact");
+                self.fault(value.span(), message);
+            }
+        }
         let usual = usual_guard();
         let mut or = |key: &str, field, value: Option<Spanned<f64>>, otherwise, least| {
             value.map_or(otherwise, |value| {

@@ -1,7 +1,7 @@
 //! Metadata of runs for a run file.
 
 use crate::sim::run::Run;
-use palpate_core::{Guard, Mass, ObjectState, Side};
+use palpate_core::{Guard, GuardParams, Mass, ObjectState, Side};
 use palpate_scene::{HandForceAt, Intention, Measure, PantographDevice, Scene};
 
 use super::{Subject, parameters_of, timing_of};
@@ -80,12 +80,8 @@ fn subject_metadata(
             "guard".to_owned(),
             match limits.guard {
                 Guard::Off => "off".into(),
-                Guard::Report(guard) => {
-                    format!("report, {} m/s, {} J", guard.largest_speed, guard.allowance)
-                }
-                Guard::Limit(guard) => {
-                    format!("limit, {} m/s, {} J", guard.largest_speed, guard.allowance)
-                }
+                Guard::Report(guard) => format!("report, {}", bounds(&guard)),
+                Guard::Limit(guard) => format!("limit, {}", bounds(&guard)),
             },
         ),
         (
@@ -173,4 +169,14 @@ pub fn plant_metadata(scene: &Scene) -> Vec<(String, String)> {
         Measure::Duration(duration) => ("measure_duration_s".into(), duration.to_string()),
     });
     lines
+}
+
+/// Returns the bounds of a guard: `1 m/s, 0.02 J, 80 m/s^2 on 0.1 kg`.
+fn bounds(guard: &GuardParams<f64>) -> String {
+    let mut text = format!("{} m/s, {} J", guard.largest_speed, guard.allowance);
+    if let Some(hand) = guard.hand {
+        text += &format!(", {} m/s^2 on {} kg", hand.acceleration, hand.least_mass);
+        text += &format!(", recovery {} W", hand.recovery);
+    }
+    text
 }

@@ -181,6 +181,9 @@ pub struct MethodReport {
     pub faults: usize,
     /// Number of forces that a limit changed.
     pub limited: usize,
+    /// Number of intervals in which the device accelerated beyond the bound of the guard.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_guard: Option<usize>,
     /// Number of rendered collisions.
     pub rendered_collisions: usize,
     /// One entry for each collision of the ideal that ends in the window.
@@ -410,6 +413,7 @@ impl MethodReport {
             diverged: run.diverged,
             faults: run.faults(),
             limited: run.limited(),
+            beyond_guard: Some(run.beyond_guard()).filter(|&count| count > 0),
             rendered_collisions: run.force.rendered_collisions,
             collisions: run
                 .force

@@ -357,6 +357,10 @@ impl MethodReport {
         if self.limited > 0 {
             remarks.push(format!("{} limited", counted(self.limited, "force")));
         }
+        if let Some(count) = self.beyond_guard {
+            let count = counted(count, "interval");
+            remarks.push(format!("{count} beyond the acceleration of the guard"));
+        }
         remarks.join(", ")
     }
 }

@@ -18,7 +18,7 @@ use crate::sim::delivery::Delivery;
 use crate::sim::run::{MAX_PERIODS, Reference, Run, RunMethod, Tick};
 use palpate_scene::method::{Basis, MethodName, Settings, SettingsError};
 use palpate_scene::named_parameters::named_parameters;
-use palpate_scene::{Delay, Scene, SetupError, stored_energy};
+use palpate_scene::{Delay, Scene, SetupError, guard_of_device, stored_energy};
 
 /// Contact, loop and object that are rendered on a recorded motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +96,11 @@ impl ReplaySetup {
                 delay: self.actuation.delay.min(most),
                 ..self.actuation
             },
+            guard: guard_of_device(
+                self.loop_params.guard,
+                self.device_mass,
+                self.encoder_quantum,
+            ),
             ..self.loop_params
         }
     }

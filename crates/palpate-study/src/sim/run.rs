@@ -161,6 +161,12 @@ impl Run {
         self.count(|output| output.limited.any())
     }
 
+    /// Number of intervals in which the device accelerated beyond the bound of the guard.
+    #[must_use]
+    pub fn beyond_guard(&self) -> usize {
+        self.count(|output| output.limited.beyond_guard)
+    }
+
     fn count(&self, condition: impl Fn(&Output<f64>) -> bool) -> usize {
         self.ticks
             .iter()

@@ -9,7 +9,7 @@ use palpate_core::Guard;
 use palpate_scene::method::{
     MethodName, SettingKey, Settings, SettingsError, deserialize_settings, method_named,
 };
-use palpate_scene::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, Scene, in_plain_words};
+use palpate_scene::{GuardBounds, GuardMode, Scene, in_plain_words};
 
 /// A method with settings and a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -170,7 +170,7 @@ impl Column {
             method,
             settings,
             dampings,
-            guard: guard.map(RawGuard::guard),
+            guard: guard.map(RawGuard::guard).transpose().map_err(wrong)?,
         })
     }
 }
@@ -182,14 +182,24 @@ struct RawGuard {
     mode: GuardMode,
     speed_m_per_s: Option<f64>,
     allowance_j: Option<f64>,
+    acceleration_m_per_s2: Option<f64>,
+    least_mass_kg: Option<f64>,
+    recovery_w: Option<f64>,
 }
 
 impl RawGuard {
-    fn guard(self) -> Guard<f64> {
-        self.mode.guard(
-            self.speed_m_per_s.unwrap_or(GUARD_SPEED),
-            self.allowance_j.unwrap_or(GUARD_ALLOWANCE),
-        )
+    fn guard(self) -> Result<Guard<f64>, String> {
+        let bounds = GuardBounds {
+            speed: self.speed_m_per_s,
+            allowance: self.allowance_j,
+            acceleration: self.acceleration_m_per_s2,
+            least_mass: self.least_mass_kg,
+            recovery: self.recovery_w,
+        };
+        if bounds.lacks_acceleration() {
+            return Err("guard: least_mass_kg and recovery_w need acceleration_m_per_s2".into());
+        }
+        Ok(self.mode.guard(bounds))
     }
 }
 
