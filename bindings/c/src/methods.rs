@@ -106,10 +106,8 @@ pub unsafe extern "C" fn palpate_setting_text(
 /// Returns the words that a setting accepts.
 fn words_of(setting: &Core) -> &'static [&'static str] {
     match setting.values {
-        SettingValues::Number { .. } => &[],
-        SettingValues::NumberOrAuto { .. } => &["auto"],
-        SettingValues::Words { words, .. } => words,
         SettingValues::Switch => &["true", "false"],
+        _ => setting.words(),
     }
 }
 

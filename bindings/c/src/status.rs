@@ -262,7 +262,13 @@ impl fmt::Display for Refusal<'_> {
 fn write_allowed(f: &mut fmt::Formatter<'_>, values: SettingValues) -> fmt::Result {
     match values {
         SettingValues::Number { .. } => f.write_str("a number"),
-        SettingValues::NumberOrAuto { .. } => f.write_str("a number or \"auto\""),
+        SettingValues::NumberOrWord { words, .. } => {
+            f.write_str("a number")?;
+            for word in words {
+                write!(f, " or \"{word}\"")?;
+            }
+            Ok(())
+        }
         SettingValues::Words { words, .. } => {
             for (index, word) in words.iter().enumerate() {
                 let between = match index {

@@ -41,7 +41,9 @@ pub fn methods(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
 fn allowed(setting: &Setting) -> String {
     match setting.values {
         SettingValues::Number { range, .. } => range.allowed().to_owned(),
-        SettingValues::NumberOrAuto { range, .. } => format!("{}, or \"auto\"", range.allowed()),
+        SettingValues::NumberOrWord { range, words, .. } => {
+            format!("{}, or \"{}\"", range.allowed(), words.join("\", \""))
+        }
         SettingValues::Words { words, .. } => format!("\"{}\"", words.join("\", \"")),
         SettingValues::Switch => "True or False".to_owned(),
     }
@@ -183,20 +185,14 @@ fn value(
     {
         return Ok(ParameterValue::Number(number));
     }
-    let said = all()
-        .find(|setting| setting.takes_auto())
-        .unwrap_or(setting);
-    let what = match said.values {
-        SettingValues::Words { .. } => format!("one of {}", allowed(said)),
-        SettingValues::Switch => allowed(said),
+    let what = match setting.values {
+        SettingValues::Words { .. } => format!("one of {}", allowed(setting)),
+        SettingValues::Switch => allowed(setting),
         _ => {
-            let unit = said.unit().map_or("", Unit::symbol);
-            let auto = if said.takes_auto() {
-                " or \"auto\""
-            } else {
-                ""
-            };
-            format!("a number [{unit}]{auto}")
+            let unit = setting.unit().map_or("", Unit::symbol);
+            let words = all().flat_map(Setting::words);
+            let words: String = words.map(|word| format!(" or \"{word}\"")).collect();
+            format!("a number [{unit}]{words}")
         }
     };
     Err(refused(format!(

@@ -119,8 +119,8 @@ fn wrong_settings(error: &SettingsError) -> PyErr {
                 "{setting} is for {other} {needed}, but the {other} of {method} is {is}"
             ))
         }
-        error @ SettingsError::NoRule { setting, .. } => {
-            refused(format!("{}=\"auto\": {error}", setting.name()))
+        error @ SettingsError::NoRule { setting, word, .. } => {
+            refused(format!("{}=\"{word}\": {error}", setting.name()))
         }
     }
 }

@@ -359,7 +359,8 @@ Examples:
     #[command(long_about = "\
 Find the best damping of a method for a scene, and draw the whole curve.
 
-The varied setting is B of virtual-damper, b of hfcr, or the cap of popc and popc-ref. Each value is simulated \
+The varied setting is B of virtual-damper, b of hfcr, the cap of popc and popc-ref, the assumed damping of \
+force-bounding, or the damping of energy-tank and virtual-coupling. Each value is simulated \
 from 21 start heights around the scene's (the gap changes by up to 5 %), because the best value at one height \
 can be bad at the next; the best value has the smallest median. --from and --to set the range; the flag of the \
 varied damping is rejected.

@@ -135,22 +135,20 @@ impl Visitor<'_> for Value {
     type Value = ParameterValue<f64>;
 
     fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // Describe the allowed values by the method that accepts the most.
-        let deriving = self.settings().find(|setting| setting.takes_auto());
-        let Some(setting) = deriving.or_else(|| self.settings().next()) else {
+        let Some(setting) = self.settings().next() else {
             return f.write_str("the value of a setting");
         };
         match setting.values {
-            SettingValues::Number { unit, .. } | SettingValues::NumberOrAuto { unit, .. } => {
+            SettingValues::Number { unit, .. } | SettingValues::NumberOrWord { unit, .. } => {
                 f.write_str("a number")?;
                 if unit != Unit::One {
                     write!(f, " in {}", unit.symbol())?;
                 }
-                f.write_str(if setting.takes_auto() {
-                    " or \"auto\""
-                } else {
-                    ""
-                })
+                // The words of every method with this key.
+                for word in self.settings().flat_map(Setting::words) {
+                    write!(f, " or \"{word}\"")?;
+                }
+                Ok(())
             }
             SettingValues::Words { words, .. } => {
                 write!(f, "one of \"{}\"", words.join("\", \""))

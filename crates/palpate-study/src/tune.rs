@@ -65,7 +65,7 @@ pub struct TunedPoint {
 #[non_exhaustive]
 pub enum TuneError {
     /// The method has nothing to tune.
-    #[error("{0} has no damping to tune; virtual-damper, popc, popc-ref and hfcr have")]
+    #[error("{method} has no damping to tune; {all} have", method = .0, all = with_damping())]
     NothingToTune(MethodName),
     /// The ideal has no contact, so there is no error.
     #[error("the ideal has no contact in the window, so there is no error to minimise")]
@@ -73,6 +73,13 @@ pub enum TuneError {
     /// A loop cannot be run.
     #[error(transparent)]
     Loop(#[from] LoopError),
+}
+
+/// Returns the names of the methods with a damping.
+fn with_damping() -> String {
+    let all = MethodName::ALL.into_iter();
+    let names = all.filter(|method| tunable(*method).is_some());
+    names.map(MethodName::name).collect::<Vec<_>>().join(", ")
 }
 
 /// Returns the setting of `method` that is a damping.

@@ -68,6 +68,7 @@ static void parameters(void) {
   params.method = "copled";
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_SETTING,
           "no method is called \"copled\"; there are basic, seh, virtual-damper, popc, popc-ref, "
+          "energy-corrected, force-bounding, pmi, energy-tank, virtual-coupling, "
           "hfcr-mod, hfcr-mod-st, hfcr, coupled");
   params.method = "\xff";
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_SETTING, "method is not UTF-8");

@@ -101,10 +101,14 @@ fn value(key: SettingKey, text: &str) -> Result<ParameterValue<f64>, String> {
     }
     text.parse().map(ParameterValue::Number).map_err(|_| {
         let unit = settings().find_map(Setting::unit).map_or("", Unit::symbol);
-        if settings().any(Setting::takes_auto) {
-            format!("a number in {unit} or \"auto\" is needed")
-        } else {
+        let words: Vec<_> = settings().flat_map(Setting::words).copied().collect();
+        if words.is_empty() {
             "a number is needed, such as 0.01 or 1e-2".into()
+        } else {
+            format!(
+                "a number in {unit} or \"{}\" is needed",
+                words.join("\" or \"")
+            )
         }
     })
 }
@@ -118,12 +122,17 @@ fn argument(setting: &'static Setting) -> Arg {
         Some(Unit::One) | None => "NUMBER",
         Some(unit) => unit.symbol(),
     };
-    let deriving = said(setting.key).iter().any(|(_, own)| own.takes_auto());
+    let all = said(setting.key);
+    let words: Vec<_> = all
+        .iter()
+        .flat_map(|(_, own)| own.words())
+        .copied()
+        .collect();
     let value_name = match setting.values {
         SettingValues::Switch => return argument.action(ArgAction::SetTrue),
         SettingValues::Words { .. } => "NAME".to_owned(),
-        _ if deriving => format!("{unit}|auto"),
-        _ => unit.to_owned(),
+        _ if words.is_empty() => unit.to_owned(),
+        _ => format!("{unit}|{}", words.join("|")),
     };
     let key = setting.key;
     argument

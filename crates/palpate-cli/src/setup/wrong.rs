@@ -225,8 +225,8 @@ pub fn wrong_setup(error: &SetupError) -> Failure {
             flag_of_setting(other),
             other.name(),
         )),
-        SetupError::Settings(error @ SettingsError::NoRule { setting, .. }) => {
-            Failure::Arguments(format!("{} auto: {error}", flag_of_setting(setting)))
+        SetupError::Settings(error @ SettingsError::NoRule { setting, word, .. }) => {
+            Failure::Arguments(format!("{} {word}: {error}", flag_of_setting(setting)))
         }
     }
 }

@@ -171,11 +171,20 @@ fn a_flag_without_its_value_is_an_error() {
 
 #[test]
 fn a_setting_is_refused_by_every_method_that_cannot_use_it() {
-    let settings: [(&str, &str, &[&str]); 10] = [
-        ("--damping", "0.5", &["virtual-damper", "hfcr"]),
-        ("--damping-cap", "2", &["popc", "popc-ref"]),
+    let settings: [(&str, &str, &[&str]); 15] = [
+        (
+            "--damping",
+            "0.5",
+            &["virtual-damper", "energy-tank", "virtual-coupling", "hfcr"],
+        ),
+        ("--damping-cap", "2", &["popc", "popc-ref", "energy-tank"]),
         ("--speed-threshold", "0.001", &["popc", "popc-ref"]),
-        ("--initial-energy", "0.1", &["popc"]),
+        ("--initial-energy", "0.1", &["popc", "energy-tank"]),
+        ("--desired-energy", "0.1", &["energy-tank"]),
+        ("--assumed-damping", "0.1", &["force-bounding"]),
+        ("--midpoint-device", "extrapolated", &["pmi"]),
+        ("--coupling-stiffness", "100", &["virtual-coupling"]),
+        ("--coupling-mass", "0.1", &["virtual-coupling"]),
         ("--estimate", "ab3", &["seh"]),
         ("--prediction", "observer", &["virtual-damper", "hfcr"]),
         ("--damper-object", "spring", &["virtual-damper"]),
@@ -355,7 +364,7 @@ fn every_flag_of_a_recording_changes_its_run() {
         assert_eq!(answer.stderr.contains("the device starts"), is_inside);
         parse(&answer.stdout)
     };
-    let cases: [(&str, &str, &str); 15] = [
+    let cases: [(&str, &str, &str); 20] = [
         ("--stiffness", "500", "hfcr"),
         ("--mass", "0.2", "hfcr"),
         ("--period", "0.02", "hfcr"),
@@ -371,6 +380,11 @@ fn every_flag_of_a_recording_changes_its_run() {
         ("--speed-threshold", "0.5", "popc-ref"),
         ("--initial-energy", "0.01", "popc"),
         ("--estimate", "ab3", "seh"),
+        ("--desired-energy", "0.01", "energy-tank"),
+        ("--assumed-damping", "0.1", "force-bounding"),
+        ("--midpoint-device", "extrapolated", "pmi"),
+        ("--coupling-stiffness", "300", "virtual-coupling"),
+        ("--coupling-mass", "0.2", "virtual-coupling"),
     ];
     for (flag, value, method) in cases {
         let plain = run(&[("--method", method)]);

@@ -132,7 +132,7 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
         "damping_n_s_per_m = 0.53",
         "damping_cap_n_s_per_m = 1",
         "41:1",
-        &["virtual-damper", "popc, popc-ref"],
+        &["virtual-damper", "popc, popc-ref, energy-tank"],
     ),
     (
         "format = 2",

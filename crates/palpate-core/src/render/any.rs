@@ -170,7 +170,9 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     fn is_limited(&self, memory: &AnyMemory<S>) -> bool {
         match self {
             Self::Basic(_) => false,
-            $(Self::$Variant(method) => method.is_limited(&part!(memory $($own)? $($shared)?)),)*
+            $(Self::$Variant(method) => {
+                Method::<S>::is_limited(method, &part!(memory $($own)? $($shared)?))
+            })*
         }
     }
 

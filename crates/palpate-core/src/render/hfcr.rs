@@ -2,7 +2,7 @@
 
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use super::named::{FromSettings, MethodInfo, MethodName};
-use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
+use super::setting::{AUTO, Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion, Rule, Start};
@@ -47,13 +47,17 @@ pub(super) const HFCR: MethodInfo = MethodInfo {
 
 const DAMPING: Setting = Setting {
     key: SettingKey::DAMPING,
-    values: SettingValues::NumberOrAuto {
+    values: SettingValues::NumberOrWord {
         unit: Unit::NewtonSecondPerMetre,
         range: Range::NotNegative,
+        words: &[AUTO, ADAPTIVE],
     },
-    help: "damping b of the leak dissipation; auto derives it",
+    help: "damping b of the leak dissipation; auto derives it, adaptive varies it with the remaining leak",
     default: "0",
 };
+
+/// Word for a damping that varies with the remaining leak.
+const ADAPTIVE: &str = "adaptive";
 
 const ENTRY_HOLD: Setting = Setting {
     key: SettingKey::ENTRY_HOLD,
@@ -102,17 +106,18 @@ impl<S: Scalar> FromSettings<S> for HfcrParams<S> {
         Ok(Self {
             modified_force: true,
             smooth_transition: method != MethodName::HfcrMod,
-            leak_dissipation: match given.get(SettingKey::DAMPING) {
-                Some(ParameterValue::Number(damping)) => {
-                    LeakDissipation::Damping(S::from_f64(damping))
-                }
-                Some(ParameterValue::ToBeDerived) => LeakDissipation::Auto {
+            leak_dissipation: match DAMPING.checked_word(method, given)? {
+                Some(ADAPTIVE) => LeakDissipation::Adaptive,
+                Some(_) => LeakDissipation::Auto {
                     device_mass: basis
                         .device_mass
                         .map(S::from_f64)
                         .ok_or(SettingsError::NoDeviceMass(&DAMPING))?,
                 },
-                _ => LeakDissipation::Off,
+                None => match given.number(SettingKey::DAMPING) {
+                    Some(damping) => LeakDissipation::Damping(S::from_f64(damping)),
+                    None => LeakDissipation::Off,
+                },
             },
             prediction: Prediction::from_settings(method, given, basis)?,
             entry_hold: hold.and_then(EntryHold::named).unwrap_or_default(),
@@ -141,6 +146,12 @@ pub enum LeakDissipation<S> {
         /// Effective mass m of the device `[kg]`, greater than 0.
         device_mass: S,
     },
+    /// A b_i that varies from sample to sample with the accumulated remaining leak L_i, as a share of the energy that
+    /// object and spring store: all of K T/2, the damping that a held spring lacks on a wall, if it is all leak. As
+    /// derived here; the paper does not specify its b_i.
+    ///
+    /// `b_i = K T/2 min(1, max(0, L_i)/(M eta'_i^2/2 + K p_i^2 h(p_i)/2))`
+    Adaptive,
 }
 
 /// Position at which the device is held from the instant tau at which contact begins within an interval.
@@ -293,13 +304,16 @@ pub struct Hfcr<S> {
     modified_force: bool,
     smooth_transition: bool,
     damping: S,
+    /// Whether b_i varies with the remaining leak, up to `damping`.
+    is_adaptive: bool,
     predictor: Predictor<S>,
     entry_hold: EntryHold,
     balance: EnergyBalance,
 }
 
 impl<S: Scalar> Hfcr<S> {
-    /// Returns the damping b of the leak dissipation `[N s/m]`, as given or as computed from the device's mass.
+    /// Returns the damping b of the leak dissipation `[N s/m]`: as given, as computed from the device's mass, or the
+    /// largest b_i.
     pub fn damping(&self) -> S {
         self.damping
     }
@@ -326,11 +340,16 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
                 };
                 Parameter::DerivedDamping.not_negative(damping)?
             }
+            LeakDissipation::Adaptive => {
+                let most = S::HALF * contact.stiffness * loop_params.period;
+                Parameter::DerivedDamping.not_negative(most)?
+            }
         };
         Ok(Hfcr {
             modified_force: self.modified_force,
             smooth_transition: self.smooth_transition,
             damping,
+            is_adaptive: matches!(self.leak_dissipation, LeakDissipation::Adaptive),
             predictor: self.prediction.check()?,
             entry_hold: self.entry_hold,
             balance: self.balance,
@@ -354,6 +373,7 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
             LeakDissipation::Off => ParameterValue::Number(S::ZERO),
             LeakDissipation::Damping(damping) => ParameterValue::Number(damping),
             LeakDissipation::Auto { .. } => ParameterValue::ToBeDerived,
+            LeakDissipation::Adaptive => ParameterValue::Word(ADAPTIVE),
         };
         take(DAMPING.key.as_str(), damping);
         self.prediction.describe(take);
@@ -368,6 +388,7 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
     fn derived(self, method: &Hfcr<S>) -> Self {
         let leak_dissipation = match self.leak_dissipation {
             LeakDissipation::Off => LeakDissipation::Off,
+            LeakDissipation::Adaptive => LeakDissipation::Adaptive,
             LeakDissipation::Damping(_) | LeakDissipation::Auto { .. } => {
                 LeakDissipation::Damping(method.damping)
             }
@@ -437,7 +458,16 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
             now.spring_force(motion)
         };
         // Eq. (11).
-        let dissipating = share * self.damping * (start.device_velocity - start.object_velocity);
+        let approach = start.device_velocity - start.object_velocity;
+        let mut damping = self.damping;
+        if self.is_adaptive {
+            let leak = now.held_leak.max(S::ZERO);
+            let stored = motion.stored_energy(start.penetration, start.object_velocity);
+            if leak < stored {
+                damping = damping * (leak / stored);
+            }
+        }
+        let dissipating = share * damping * approach;
         Plan {
             force: elastic + dissipating,
             rule,

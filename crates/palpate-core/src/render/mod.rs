@@ -7,10 +7,15 @@
 mod any;
 mod basic;
 mod coupled;
+mod energy_corrected;
+mod energy_tank;
+mod extrapolated;
+mod force_bounding;
 mod hfcr;
 mod list;
 mod method;
 mod named;
+mod pmi;
 mod popc;
 mod popc_ref;
 mod predict;
@@ -18,6 +23,7 @@ mod seh;
 mod setting;
 mod state;
 mod tick;
+mod virtual_coupling;
 mod virtual_damper;
 
 pub use any::*;

@@ -36,7 +36,7 @@ pub(super) const SPEED_THRESHOLD: Setting = Setting {
     default: "1e-4",
 };
 
-const INITIAL_ENERGY: Setting = Setting {
+pub(super) const INITIAL_ENERGY: Setting = Setting {
     key: SettingKey::INITIAL_ENERGY,
     values: SettingValues::Number {
         unit: Unit::Joule,

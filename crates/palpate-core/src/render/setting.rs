@@ -56,6 +56,9 @@ pub struct Setting {
     pub default: &'static str,
 }
 
+/// Word of a setting whose value is derived.
+pub(super) const AUTO: &str = "auto";
+
 /// Allowed values of a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SettingValues {
@@ -66,12 +69,14 @@ pub enum SettingValues {
         /// Its range.
         range: Range,
     },
-    /// A number, or the word `auto` for a derived value.
-    NumberOrAuto {
+    /// A number, or a word that stands for a rule, such as `auto`.
+    NumberOrWord {
         /// Its unit.
         unit: Unit,
         /// Its range.
         range: Range,
+        /// The words.
+        words: &'static [&'static str],
     },
     /// One of several words.
     Words {
@@ -89,7 +94,7 @@ impl Setting {
     #[must_use]
     pub fn unit(&self) -> Option<Unit> {
         match self.values {
-            SettingValues::Number { unit, .. } | SettingValues::NumberOrAuto { unit, .. } => {
+            SettingValues::Number { unit, .. } | SettingValues::NumberOrWord { unit, .. } => {
                 Some(unit)
             }
             SettingValues::Words { .. } | SettingValues::Switch => None,
@@ -100,7 +105,7 @@ impl Setting {
     #[must_use]
     pub fn range(&self) -> Option<Range> {
         match self.values {
-            SettingValues::Number { range, .. } | SettingValues::NumberOrAuto { range, .. } => {
+            SettingValues::Number { range, .. } | SettingValues::NumberOrWord { range, .. } => {
                 Some(range)
             }
             SettingValues::Words { .. } | SettingValues::Switch => None,
@@ -124,17 +129,48 @@ impl Setting {
                 let known = words.iter().find(|word| **word == given);
                 known.map(|word| ParameterValue::Word(word))
             }
-            SettingValues::NumberOrAuto { .. } if given == "auto" => {
-                Some(ParameterValue::ToBeDerived)
+            SettingValues::NumberOrWord { words, .. } => {
+                let known = words.iter().find(|word| **word == given)?;
+                Some(match *known {
+                    AUTO => ParameterValue::ToBeDerived,
+                    word => ParameterValue::Word(word),
+                })
             }
             _ => None,
         }
     }
 
-    /// Returns whether the value can be derived.
+    /// Returns the allowed words; none for a plain number or a switch.
     #[must_use]
-    pub fn takes_auto(&self) -> bool {
-        matches!(self.values, SettingValues::NumberOrAuto { .. })
+    pub const fn words(&self) -> &'static [&'static str] {
+        match self.values {
+            SettingValues::Words { words, .. } | SettingValues::NumberOrWord { words, .. } => words,
+            SettingValues::Number { .. } | SettingValues::Switch => &[],
+        }
+    }
+
+    /// Checks the value given for this setting of `method`, of which another method with the same key may accept more
+    /// words.
+    pub(crate) fn checked_word(
+        &'static self,
+        method: MethodName,
+        given: &Settings,
+    ) -> Result<Option<&'static str>, SettingsError> {
+        let word = match given.get(self.key) {
+            Some(ParameterValue::ToBeDerived) => AUTO,
+            Some(ParameterValue::Word(word)) => word,
+            _ => return Ok(None),
+        };
+        if self.words().contains(&word) {
+            Ok(Some(word))
+        } else {
+            let setting = self;
+            Err(SettingsError::NoRule {
+                method,
+                setting,
+                word,
+            })
+        }
     }
 
     /// Checks that a number is in the setting's range.
@@ -190,12 +226,14 @@ pub enum SettingsError {
         /// The unused setting, as described by another method.
         setting: &'static Setting,
     },
-    /// The method has no rule to derive this setting.
+    /// The method does not accept this word for its setting.
     NoRule {
         /// The method.
         method: MethodName,
         /// Its setting.
         setting: &'static Setting,
+        /// The word, which another method accepts.
+        word: &'static str,
     },
     /// The rule of the setting requires the device's mass.
     NoDeviceMass(&'static Setting),
@@ -233,14 +271,21 @@ impl fmt::Display for SettingsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unused { method, .. } => write!(f, "{method} cannot use it"),
-            Self::NoRule { method, setting } => {
-                let deriving = MethodName::ALL.into_iter().filter(|method| {
+            Self::NoRule {
+                method,
+                setting,
+                word,
+            } => {
+                let accepting = MethodName::ALL.into_iter().filter(|method| {
                     let own = method.setting(setting.key);
-                    own.is_some_and(Setting::takes_auto)
+                    own.is_some_and(|own| own.words().contains(word))
                 });
-                let names = Joined(deriving.map(MethodName::name));
+                let names = Joined(accepting.map(MethodName::name));
                 let name = setting.name();
-                write!(f, "only {names} derives its {name}; give {method} a number")
+                write!(
+                    f,
+                    "only {names} accepts \"{word}\" for its {name}; give {method} a number"
+                )
             }
             Self::NoDeviceMass(setting) => {
                 let name = setting.name();

@@ -21,14 +21,23 @@ pub(super) const VIRTUAL_DAMPER: MethodInfo = MethodInfo {
 
 const DAMPING: Setting = Setting {
     key: SettingKey::DAMPING,
-    values: SettingValues::Number {
+    values: SettingValues::NumberOrWord {
         unit: Unit::NewtonSecondPerMetre,
         range: Range::NotNegative,
+        words: &[STABILITY_OPTIMAL],
     },
-    help: "damping B of the contact",
+    help: "damping B of the contact; stability-optimal is that of the stiffest stable wall, 0.828 m/T",
     // It makes up for the half period that the hold lags on a wall.
     default: "K T/2",
 };
+
+/// Word for the damping at which a wall may be stiffest.
+const STABILITY_OPTIMAL: &str = "stability-optimal";
+
+/// B T/m at which an undamped mass on a sampled wall is stable up to the largest K T^2/m, 0.686: 2 (sqrt 2 - 1). It is
+/// the maximum of `K T^2/m < 2 beta (2 - beta)/(2 + beta)`, beta = B T/m, for a backward difference without delay, as
+/// derived here (Hulin, Gil and Albu-Schaeffer, 2014, have the optimum).
+const OPTIMAL_DAMPING_RATIO: f64 = 2.0 * (core::f64::consts::SQRT_2 - 1.0);
 
 const DAMPER_OBJECT: Setting = Setting {
     key: SettingKey::DAMPER_OBJECT,
@@ -55,12 +64,14 @@ impl<S: Scalar> FromSettings<S> for VirtualDamperParams<S> {
         given: &Settings,
         basis: &Basis,
     ) -> Result<Self, SettingsError> {
-        let damping = match given.get(SettingKey::DAMPING) {
-            Some(ParameterValue::ToBeDerived) => {
-                let setting = &DAMPING;
-                return Err(SettingsError::NoRule { method, setting });
+        let damping = match DAMPING.checked_word(method, given)? {
+            Some(_) => {
+                let mass = basis
+                    .device_mass
+                    .ok_or(SettingsError::NoDeviceMass(&DAMPING))?;
+                Some(OPTIMAL_DAMPING_RATIO * mass / basis.period)
             }
-            _ => given.number(SettingKey::DAMPING),
+            None => given.number(SettingKey::DAMPING),
         };
         let object = given.word(SettingKey::DAMPER_OBJECT);
         Ok(Self {

@@ -136,6 +136,10 @@ fn the_guard_holds_in_every_tick_of_a_change() {
 #[test]
 fn an_object_that_becomes_a_wall_keeps_its_place_and_its_force() {
     for (name, method) in methods() {
+        // A device at rest dissipates nothing, so force bounding allows no force.
+        if name == "force-bounding" {
+            continue;
+        }
         let object = Rendering {
             contact: Contact::object(1000.0, 0.1),
             virtual_force: -1.5,

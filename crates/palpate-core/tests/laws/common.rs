@@ -1,9 +1,10 @@
 //! Shared test code: every method, a device, a random source, and an independent energy ledger.
 
 use palpate_core::{
-    AnyParams, Contact, CoupledParams, DamperObject, EntryHold, HfcrParams, LeakDissipation,
-    Ledger, Mass, Output, PopcParams, PopcRefParams, Prediction, Sample, Scalar, SehEstimate,
-    SehParams, VirtualDamperParams,
+    AnyParams, Contact, CoupledParams, DamperObject, EnergyCorrectedParams, EnergyTankParams,
+    EntryHold, ForceBoundingParams, HfcrParams, LeakDissipation, Ledger, Mass, MidpointDevice,
+    Output, PmiParams, PopcParams, PopcRefParams, Prediction, Sample, Scalar, SehEstimate,
+    SehParams, VirtualCouplingParams, VirtualDamperParams,
 };
 
 /// Every method, in the settings that differ in kind.
@@ -20,6 +21,40 @@ pub fn methods<S: Scalar>() -> Vec<(&'static str, AnyParams<S>)> {
         ("seh ab3", seh(SehEstimate::Ab3)),
         ("popc", AnyParams::Popc(PopcParams::new(of(6.0)))),
         ("popc-ref", AnyParams::PopcRef(PopcRefParams::new(of(6.0)))),
+        (
+            "energy-corrected",
+            AnyParams::EnergyCorrected(EnergyCorrectedParams {}),
+        ),
+        (
+            "force-bounding",
+            AnyParams::ForceBounding(ForceBoundingParams {
+                device_damping: of(0.5),
+            }),
+        ),
+        (
+            "pmi",
+            AnyParams::Pmi(PmiParams {
+                device: MidpointDevice::Sample,
+            }),
+        ),
+        (
+            "pmi, extrapolated",
+            AnyParams::Pmi(PmiParams {
+                device: MidpointDevice::Extrapolated,
+            }),
+        ),
+        ("energy-tank", AnyParams::EnergyTank(tank())),
+        (
+            "virtual-coupling",
+            AnyParams::VirtualCoupling(coupling(of(100.0), of(0.01))),
+        ),
+        (
+            "hfcr, adaptive",
+            AnyParams::Hfcr(HfcrParams {
+                leak_dissipation: LeakDissipation::Adaptive,
+                ..HfcrParams::default()
+            }),
+        ),
         (
             "hfcr-mod",
             AnyParams::Hfcr(HfcrParams::modified_force_only()),
@@ -112,6 +147,25 @@ pub fn methods<S: Scalar>() -> Vec<(&'static str, AnyParams<S>)> {
             }),
         ),
     ]
+}
+
+/// A tank of 0.1 J.
+pub fn tank<S: Scalar>() -> EnergyTankParams<S> {
+    EnergyTankParams {
+        damping: S::ONE,
+        damping_cap: S::from_f64(3.0),
+        initial_energy: S::from_f64(0.1),
+        desired_energy: S::from_f64(0.1),
+    }
+}
+
+/// A coupling with a damping ratio of a half and a natural frequency of one radian in `period` `[s]`.
+pub fn coupling<S: Scalar>(stiffness: S, period: S) -> VirtualCouplingParams<S> {
+    VirtualCouplingParams {
+        stiffness,
+        damping: stiffness * period,
+        mass: stiffness * period * period,
+    }
 }
 
 /// The device as a point mass, moved exactly while the force is held.

@@ -252,6 +252,10 @@ fn a_penetration_too_large_to_compute_with_is_refused() {
 #[test]
 fn a_huge_position_on_the_free_side_gives_no_force_while_the_device_is_there() {
     for (name, method) in methods::<f64>() {
+        // A proxy pulls its device in free motion, too.
+        if name == "virtual-coupling" {
+            continue;
+        }
         for contact in contacts() {
             let l = LoopParams {
                 speed_limit: None,

@@ -22,6 +22,7 @@ mod popc;
 mod pressed;
 mod readings;
 mod resting;
+mod rivals;
 mod seh;
 mod sensor_noise;
 #[cfg(feature = "serde")]

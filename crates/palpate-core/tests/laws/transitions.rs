@@ -90,6 +90,13 @@ fn a_start_in_penetration_stores_its_energy_and_gives_the_force_of_a_device_at_r
             "seh differences" => 2.0 * spring,
             "seh ab3" => 23.0 / 12.0 * spring,
             name if name.starts_with("hfcr") && name != "hfcr-st" => STIFFNESS * (p - by),
+            "energy-corrected" => spring * mean_of_cosine(1.0 / 0.1),
+            // Only dissipated energy may be used, and a proxy begins at the device.
+            "force-bounding" | "virtual-coupling" => 0.0,
+            // The spring at the midpoint of the object's step.
+            "pmi" | "pmi, extrapolated" => {
+                spring / (1.0 + 0.25 * STIFFNESS * PERIOD * PERIOD / 0.1)
+            }
             // Device and object both yield, according to their known mobilities.
             "coupled" => spring * mean_of_cosine(1.0 / 0.25 + 1.0 / 0.1),
             "coupled, no placement" => spring * mean_of_cosine(1.0 / 0.1 + 1.0 / 0.1),

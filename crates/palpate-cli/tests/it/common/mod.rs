@@ -7,17 +7,24 @@ pub mod schema;
 use std::path::{Path, PathBuf};
 
 use palpate_core::{
-    AnyParams, CoupledParams, HfcrParams, PopcParams, PopcRefParams, SehParams, VirtualDamperParams,
+    AnyParams, CoupledParams, EnergyCorrectedParams, EnergyTankParams, ForceBoundingParams,
+    HfcrParams, PmiParams, PopcParams, PopcRefParams, SehParams, VirtualCouplingParams,
+    VirtualDamperParams,
 };
 use serde_json::Value;
 
 /// Every method, in the order of tables.
-pub const METHODS: [&str; 9] = [
+pub const METHODS: [&str; 14] = [
     "basic",
     "seh",
     "virtual-damper",
     "popc",
     "popc-ref",
+    "energy-corrected",
+    "force-bounding",
+    "pmi",
+    "energy-tank",
+    "virtual-coupling",
     "hfcr-mod",
     "hfcr-mod-st",
     "hfcr",
@@ -247,6 +254,22 @@ pub fn default_params(
         }
         "popc" => AnyParams::Popc(PopcParams::new(cap)),
         "popc-ref" => AnyParams::PopcRef(PopcRefParams::new(cap)),
+        "energy-corrected" => AnyParams::EnergyCorrected(EnergyCorrectedParams {}),
+        "force-bounding" => AnyParams::ForceBounding(ForceBoundingParams {
+            device_damping: 0.5 * (stiffness * period),
+        }),
+        "pmi" => AnyParams::Pmi(PmiParams::default()),
+        "energy-tank" => AnyParams::EnergyTank(EnergyTankParams {
+            damping: stiffness * period,
+            damping_cap: cap,
+            initial_energy: 0.0,
+            desired_energy: 0.1,
+        }),
+        "virtual-coupling" => AnyParams::VirtualCoupling(VirtualCouplingParams {
+            damping: stiffness * period,
+            stiffness,
+            mass: stiffness * period * period,
+        }),
         "hfcr-mod" => AnyParams::Hfcr(HfcrParams::modified_force_only()),
         "hfcr-mod-st" | "hfcr" => AnyParams::Hfcr(HfcrParams::default()),
         "coupled" => AnyParams::Coupled(CoupledParams::new(device_mass)),

@@ -217,13 +217,13 @@ fn a_method_that_is_unknown_or_cannot_use_a_setting_is_refused() {
   33:10: no method is called "hfrc"; did you mean "hfcr"?
   "hfrc"
 method = "hfcr" -> method = "magic"
-  33:10: no method is called "magic"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled
+  33:10: no method is called "magic"; the methods are basic, seh, virtual-damper, popc, popc-ref, energy-corrected, force-bounding, pmi, energy-tank, virtual-coupling, hfcr-mod, hfcr-mod-st, hfcr, coupled
   "magic"
 [methods.hfcr] -> [methods.hfrc]
   42:10: no method is called "hfrc"; did you mean "hfcr"?
   hfrc
 [methods.hfcr] -> [methods."?"]
-  42:10: no method is called "?"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled
+  42:10: no method is called "?"; the methods are basic, seh, virtual-damper, popc, popc-ref, energy-corrected, force-bounding, pmi, energy-tank, virtual-coupling, hfcr-mod, hfcr-mod-st, hfcr, coupled
   "?"
 [methods.hfcr] -> [methods.basic]
   43:1: basic does not use damping_n_s_per_m; it is for virtual-damper, hfcr
@@ -232,13 +232,13 @@ method = "hfcr" -> method = "magic"
   43:1: hfcr-mod does not use damping_n_s_per_m; it is for virtual-damper, hfcr
   damping_n_s_per_m
 damping_n_s_per_m = 0.1 -> damping_cap_n_s_per_m = 0.1
-  43:1: hfcr does not use damping_cap_n_s_per_m; it is for popc, popc-ref
+  43:1: hfcr does not use damping_cap_n_s_per_m; it is for popc, popc-ref, energy-tank
   damping_cap_n_s_per_m
 damping_n_s_per_m = 0.1 -> damping_n_s_per_m = -0.1
   43:21: damping_n_s_per_m is -0.1 N s/m, but must be finite and not below 0
   -0.1
 [methods.hfcr]\ndamping_n_s_per_m = 0.1 -> [methods.virtual-damper]\ndamping_n_s_per_m = "auto"
-  43:21: only hfcr derives its damping; give virtual-damper a number
+  43:21: only hfcr accepts "auto" for its damping; give virtual-damper a number
   "auto"
 damping_cap_n_s_per_m = 6 -> damping_cap_n_s_per_m = 0
   46:25: damping_cap_n_s_per_m is 0 N s/m, but must be finite and greater than 0
@@ -250,7 +250,7 @@ initial_energy_j = 0 -> initial_energy_j = -1
   48:20: initial_energy_j is -1 J, but must be finite and not below 0
   -1
 [methods.popc] -> [methods.popc-ref]
-  48:1: popc-ref does not use initial_energy_j; it is for popc
+  48:1: popc-ref does not use initial_energy_j; it is for popc, energy-tank
   initial_energy_j
 estimate = "ab2" -> damping_n_s_per_m = 1
   51:1: seh does not use damping_n_s_per_m; it is for virtual-damper, hfcr

@@ -33,8 +33,9 @@ fn row(methods: &[&str], setting: &Setting) -> String {
     };
     let values = match setting.values {
         SettingValues::Number { range, .. } => format!("; {}", range.allowed()),
-        SettingValues::NumberOrAuto { range, .. } => {
-            format!("; {}, or `\"auto\"`", range.allowed())
+        SettingValues::NumberOrWord { range, words, .. } => {
+            let words = words.join("\"`, `\"");
+            format!("; {}, or `\"{words}\"`", range.allowed())
         }
         SettingValues::Words { words, earlier } => {
             let earlier: String = earlier
