@@ -24,6 +24,7 @@ mod plants;
 mod pressed;
 mod real_actuators;
 mod recorded_loop;
+mod rivals;
 mod shells;
 mod six_axes;
 mod suite;
