@@ -132,7 +132,7 @@ impl<S: Scalar> Method<S> for Pmi {
     fn plan(&self, motion: &ObjectMotion<S>, now: &Situation<'_, S>, (): &mut ()) -> Plan<S> {
         let step = self.step(motion, &now.start, motion.period());
         let pressed = (now.in_contact(), step.end > S::ZERO);
-        // Where the straight line from the present to the final penetration meets the surface.
+        // The penetration is taken to change at a constant rate.
         let crossing = now.start.penetration / (now.start.penetration - step.end);
         let after = motion.period() * crossing;
         Plan {

