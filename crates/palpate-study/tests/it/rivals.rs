@@ -94,7 +94,7 @@ fn the_energy_corrected_object_on_random_undamped_scenes() {
     assert!(medians[0] < 0.6 * medians[1] && medians[1] < 0.6 * medians[2]);
 }
 
-/// The optimum of a wall is none of an object.
+/// The setting equals a damping of 0.828 m/T.
 #[test]
 fn stability_optimal_damping_is_in_the_report_as_a_number() {
     let scene = with(
