@@ -18,7 +18,7 @@ pub(crate) type Span = Range<usize>;
 #[non_exhaustive]
 pub struct SceneError {
     /// The flag at fault, with the edit that it makes in the file; `None` for a fault in the file itself.
-    pub flag: Option<String>,
+    pub flag: Option<Box<str>>,
     /// Name of the file.
     pub file: String,
     /// Line, from 1.
@@ -38,8 +38,10 @@ impl SceneError {
         let Self {
             file, line, column, ..
         } = self;
-        let flag = self.flag.clone();
-        flag.unwrap_or_else(|| format!("{file}:{line}:{column}"))
+        match &self.flag {
+            Some(flag) => flag.to_string(),
+            None => format!("{file}:{line}:{column}"),
+        }
     }
 
     pub(super) fn at(file: &str, source: &str, span: Range<usize>, message: String) -> Self {

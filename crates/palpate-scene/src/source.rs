@@ -83,7 +83,7 @@ impl Source {
         let mut numbers = 0..self.edits.len();
         let edit = numbers.find(|number| self.span_of(*number).contains(&span.start));
         SceneError {
-            flag: edit.map(|number| self.edits[number].flag().to_owned()),
+            flag: edit.map(|number| self.edits[number].flag().into()),
             ..SceneError::at(&self.name, &self.text, span, message)
         }
     }
