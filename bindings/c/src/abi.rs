@@ -22,7 +22,7 @@ macro_rules! has {
 }
 
 has!(ContactParams, 80, 8, virtual_force at 40, setting_count at 64, unilateral at 76);
-has!(LoopParams, 136, 8, force_limit at 32, delay at 48, device_mass at 96, guard at 128);
+has!(LoopParams, 160, 8, force_limit at 32, delay at 48, device_mass at 96, guard at 152);
 has!(Sample<f64>, 40, 8, has_elapsed at 32);
 has!(Output<f64>, 80, 8, proxy_shift at 56, phase at 64, limited at 72);
 has!(Ledger<f64>, 88, 8, held_leak at 40);

@@ -1,7 +1,8 @@
 //! Parameters of the loop and of its device in the C API.
 
 use palpate_core::{
-    Actuation, Allowed, Guard, GuardParams, HandBound, LoopParams as Core, Parameter, ParameterError, Scalar,
+    Actuation, Allowed, Guard, GuardParams, HandBound, LoopParams as Core, Parameter,
+    ParameterError, Scalar,
 };
 
 use crate::choice;

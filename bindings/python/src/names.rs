@@ -33,7 +33,9 @@ fn argument_of(parameter: Parameter) -> Option<&'static str> {
         Parameter::GuardMass => "guard_mass",
         Parameter::GuardRecovery => "guard_recovery",
         Parameter::DeviceMass => "device_mass",
-        Parameter::EncoderQuantum | Parameter::NoiseBound | Parameter::GuardQuantum => "encoder_quantum",
+        Parameter::EncoderQuantum | Parameter::NoiseBound | Parameter::GuardQuantum => {
+            "encoder_quantum"
+        }
         Parameter::DelayDeviation => "delay_deviation",
         Parameter::Lag => "lag",
         Parameter::LagDeviation => "lag_deviation",

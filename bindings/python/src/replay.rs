@@ -7,9 +7,7 @@ use palpate_plot::RunsFigure;
 use palpate_record::recording::{Recording, RecordingError};
 use palpate_record::trace::Part;
 use palpate_scene::method::MethodName;
-use palpate_scene::{
-    ContactFile, Delay, GuardBounds, Scene, SceneParameter, SetupError,
-};
+use palpate_scene::{ContactFile, Delay, GuardBounds, Scene, SceneParameter, SetupError};
 use palpate_study::device_loop::RecordedWorld;
 use palpate_study::hand_replay::{HandReplayError, HandReplayStep};
 use palpate_study::recording::{
@@ -208,7 +206,9 @@ impl Changes {
             Parameter::GuardMass => self.guard_mass.is_some(),
             Parameter::GuardRecovery => self.guard_recovery.is_some(),
             Parameter::DeviceMass => self.device_mass.is_some(),
-            Parameter::EncoderQuantum | Parameter::NoiseBound | Parameter::GuardQuantum => self.encoder_quantum.is_some(),
+            Parameter::EncoderQuantum | Parameter::NoiseBound | Parameter::GuardQuantum => {
+                self.encoder_quantum.is_some()
+            }
             Parameter::Lag => self.lag.is_some(),
             Parameter::LagDeviation => self.lag_deviation.is_some(),
             Parameter::Gain => self.gain.is_some(),
