@@ -1700,8 +1700,7 @@ typedef struct palpate_world_params {
    */
   size_t struct_size;
   /*
-   Name of the method: basic, virtual-damper, virtual-coupling, god-object or coupled. NULL, the default: that
-   of the scene.
+   Name of the method, see palpate_world_method_name(). NULL, the default: that of the scene.
    */
   const char *method;
   /*

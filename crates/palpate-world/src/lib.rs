@@ -42,7 +42,8 @@ pub use method::change::Succession;
 pub use method::renderer::WorldRenderer;
 pub use method::state::{BodyState, ContactState, ToolState, WorldState};
 pub use method::{
-    BasicParams, CoupledParams, GodObjectParams, HfcrParams, VirtualCouplingParams, WorldMethod,
+    BasicParams, CoupledParams, GodObjectParams, HfcrParams, PopcParams, SehParams,
+    VirtualCouplingParams, WorldMethod,
 };
 
 /// A vector along the axes of the world frame, for example a position `[m]` or a force `[N]`.

@@ -106,6 +106,7 @@ pub unsafe extern "C" fn palpate_scene_new(
                     rotational_stiffness: said(params.coupling_rotational_stiffness),
                     inertia: said(params.coupling_inertia),
                 },
+                ..WorldSettings::default()
             };
             let scene = WorldScene {
                 title: String::new(),

@@ -17,8 +17,7 @@ use crate::text;
 pub struct WorldParams {
     /// Size of this struct; palpate_world_params_default() sets it.
     pub struct_size: usize,
-    /// Name of the method: basic, virtual-damper, virtual-coupling, god-object or coupled. NULL, the default: that
-    /// of the scene.
+    /// Name of the method, see palpate_world_method_name(). NULL, the default: that of the scene.
     pub method: *const c_char,
     /// Largest norm of the force on each device [N]. INFINITY: no limit, and no torque limit unless one is given. 0,
     /// the default: the limit of the scene, or 20 N.

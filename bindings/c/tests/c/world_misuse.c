@@ -44,9 +44,9 @@ static void making(void) {
   REFUSED(palpate_world_new("\xff", NULL, NULL, &world), PALPATE_STATUS_SETTING, "scene is not UTF-8");
   params.method = "couple";
   REFUSED(palpate_world_new(SCENE, NULL, &params, &world), PALPATE_STATUS_SETTING,
-          "did you mean coupled? Known here: basic, virtual-damper, virtual-coupling, god-object, coupled");
-  EXPECT(palpate_world_method_count() == 5 && palpate_world_method_name(5) == NULL);
-  EXPECT(strcmp(palpate_world_method_name(0), "basic") == 0 && strcmp(palpate_world_method_name(4), "coupled") == 0);
+          "did you mean coupled? Known here: basic, virtual-damper, seh, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr, virtual-coupling, god-object, coupled");
+  EXPECT(palpate_world_method_count() == 11 && palpate_world_method_name(11) == NULL);
+  EXPECT(strcmp(palpate_world_method_name(0), "basic") == 0 && strcmp(palpate_world_method_name(10), "coupled") == 0);
   params = palpate_world_params_default();
   params.force_limit = NAN;
   REFUSED(palpate_world_new(SCENE, NULL, &params, &world), PALPATE_STATUS_PARAMETER,

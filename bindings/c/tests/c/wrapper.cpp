@@ -236,7 +236,7 @@ int main(int argc, char **argv) {
   const auto names = palpate::method_names();
   EXPECT(names.front() == "basic" && names.back() == "coupled");
   const auto of_worlds = palpate::world_method_names();
-  EXPECT(of_worlds.size() == 5 && of_worlds[3] == "god-object");
+  EXPECT(of_worlds.size() == 11 && of_worlds[9] == "god-object");
   EXPECT(palpate::name(PALPATE_STATUS_SCENE) == std::string("scene"));
   EXPECT(palpate::name(PALPATE_FAULT_OVERFLOW) == std::string("overflow"));
   EXPECT(first.report_sent(NAN) == PALPATE_STATUS_PARAMETER && first.report_held(0.0) == PALPATE_STATUS_OK);

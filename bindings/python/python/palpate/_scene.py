@@ -203,7 +203,7 @@ def simulate(
             A function is a user-defined method with the function's name. At each sample in contact it gets a
             `palpate.Situation` and returns the force on the object [N] to hold until the next sample. The object moves
             as in the paper: it is free or in contact throughout an interval, as at the sample.
-            Worlds accept names only: `basic`, `virtual-damper`, `virtual-coupling`, `god-object` and `coupled`.
+            Worlds accept names only, those of the world renderer.
 
     Returns:
         The report, and the ticks of each method as arrays; for a world its forces.

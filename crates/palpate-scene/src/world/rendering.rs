@@ -1,8 +1,9 @@
 //! Construction of a world's renderer from its scene.
 
 use palpate_world::{
-    BasicParams, CoupledParams, GodObjectParams, HfcrParams, Tool, VirtualCouplingParams,
-    WorldError, WorldField, WorldGuard, WorldLoop, WorldMethod, WorldPart, WorldRenderer,
+    BasicParams, CoupledParams, GodObjectParams, HfcrParams, PopcParams, SehParams, Tool,
+    VirtualCouplingParams, WorldError, WorldField, WorldGuard, WorldLoop, WorldMethod, WorldPart,
+    WorldRenderer,
 };
 
 use super::{Coupling, WorldRender, WorldScene};
@@ -17,6 +18,12 @@ pub struct WorldSettings {
     pub rotational_damping: Option<f64>,
     /// The virtual coupling.
     pub coupling: Coupling,
+    /// Largest damping that a passivity controller injects `[N s/m]`.
+    pub damping_cap: Option<f64>,
+    /// Speed up to which a passivity controller does not act `[m/s]`.
+    pub speed_threshold: Option<f64>,
+    /// Energy that `popc` lets a device give out `[J]`.
+    pub initial_energy: Option<f64>,
 }
 
 impl WorldSettings {
@@ -43,6 +50,20 @@ impl WorldSettings {
                 .into(),
                 None => return Err(fault("virtual-damper needs damping_n_s_per_m")),
             },
+            "seh" => SehParams.into(),
+            "popc" | "popc-ref" => {
+                let Some(cap) = self.damping_cap else {
+                    return Err(fault(&format!("{name} needs damping_cap_n_s_per_m")));
+                };
+                let usual = PopcParams::new(each(cap));
+                PopcParams {
+                    speed_threshold: self.speed_threshold.unwrap_or(usual.speed_threshold),
+                    initial_energy: self.initial_energy.unwrap_or(usual.initial_energy),
+                    follows_reference: name == "popc-ref",
+                    ..usual
+                }
+                .into()
+            }
             "hfcr-mod" => HfcrParams::modified_force_only().into(),
             "hfcr-mod-st" => HfcrParams::default().into(),
             "hfcr" => HfcrParams {
@@ -116,9 +137,12 @@ const ALONG: f64 = 1e-9;
 
 impl WorldScene {
     /// Names of the methods that render worlds.
-    pub const METHODS: [&str; 8] = [
+    pub const METHODS: [&str; 11] = [
         "basic",
         "virtual-damper",
+        "seh",
+        "popc",
+        "popc-ref",
         "hfcr-mod",
         "hfcr-mod-st",
         "hfcr",
@@ -214,7 +238,12 @@ impl WorldScene {
             }
         }
         let feels_torque = self.world.tools.iter().any(Tool::feels_torque);
-        let settings = self.settings(name);
+        let mut settings = self.settings(name);
+        let laws = self.world.contacts.iter().map(|contact| contact.law);
+        let stiffness = laws.map(|law| law.stiffness).fold(0.0, f64::max);
+        // 3 K T, as for one contact along one axis.
+        let cap = 3.0 * stiffness * self.timing.period;
+        settings.damping_cap = settings.damping_cap.or(Some(cap).filter(|cap| *cap > 0.0));
         if let Some(method) = settings.method(name, self.devices.len(), feels_torque)? {
             return Ok(method);
         }

@@ -93,13 +93,14 @@ impl Tunable {
             damping,
             rotational_damping,
             coupling,
+            ..
         } = *all;
         match self {
             Self::VirtualCoupling => *all,
             Self::VirtualDamper => WorldSettings {
                 damping,
                 rotational_damping,
-                coupling: Coupling::default(),
+                ..WorldSettings::default()
             },
             Self::GodObject => WorldSettings {
                 damping,
@@ -108,6 +109,7 @@ impl Tunable {
                     stiffness: coupling.stiffness,
                     ..Coupling::default()
                 },
+                ..WorldSettings::default()
             },
         }
     }
@@ -158,6 +160,7 @@ impl Tunable {
                         damping: Some(damping),
                         rotational_damping: scale.turned(damping),
                         coupling,
+                        ..WorldSettings::default()
                     }),
             );
         }

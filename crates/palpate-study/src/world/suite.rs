@@ -187,7 +187,7 @@ impl MethodErrors {
                 largest_percent: spread(2)?,
             })
         };
-        let is_best = place > 0 && place < NAMES.len() - 1;
+        let is_best = NAMES[place].starts_with("best");
         let not_found = |error: &f64| error.is_nan() || *error >= NO_FORCE_PERCENT;
         Self {
             name: NAMES[place],
@@ -201,8 +201,9 @@ impl MethodErrors {
 }
 
 /// Names of the compared methods.
-const NAMES: [&str; 5] = [
+const NAMES: [&str; 6] = [
     "basic",
+    "hfcr",
     "best damper",
     "best virtual coupling",
     "best god-object",
@@ -312,7 +313,8 @@ fn errors(
     };
     let mut errors = [0.0; NAMES.len()];
     errors[0] = setting(&WorldSettings::default(), "basic")?;
-    for (best, tunable) in errors[1..].iter_mut().zip(Tunable::ALL) {
+    errors[1] = setting(&WorldSettings::default(), "hfcr")?;
+    for (best, tunable) in errors[2..].iter_mut().zip(Tunable::ALL) {
         *best = f64::INFINITY;
         for all in [tunable.candidates(scale), tunable.softer(scale)] {
             // Softer couplings are tried only if no other is nearer to the ideal than no force.

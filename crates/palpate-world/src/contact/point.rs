@@ -228,7 +228,7 @@ impl Touch {
         }
         let law = &point.law;
         self.expected = approach;
-        let damping = (law.damping * met.slope * (approach + self.missed)).max(0.0);
+        let damping = (law.damping * (approach + self.missed) * met.slope).max(0.0);
         self.penetration = met.penetration;
         self.by_damping = met.slope * damping;
         self.normal_force = met.slope * law.stiffness * met.penetration + self.by_damping;

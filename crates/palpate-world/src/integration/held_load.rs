@@ -108,13 +108,17 @@ impl Passage<'_> {
             let along = start.normal.dot(&slide);
             let stored = law.stored(start.penetration, &Vector3::zeros());
             let is_still = along.abs() < STANDSTILL;
+            let spring = law.stiffness * start.penetration;
             let push = if is_still {
-                law.stiffness * start.penetration.max(0.0)
+                spring.max(0.0)
+            } else if spring > 0.0 {
+                // A surface without a jump gives at most half of the spring's force.
+                (stored / along).clamp(0.0, spring)
             } else {
                 stored / along
             };
             load.add_at(&(start.normal * (push * self.sign)), &arm);
-            if !is_still {
+            if !is_still && push * along >= stored {
                 self.correct(&mut load, stored, arm.norm_squared());
             }
             return load;
@@ -171,7 +175,8 @@ impl Passage<'_> {
         half_stiffness * (lost - torn.max(0.0))
     }
 
-    /// Adds a force and a torque along the step, so that the work becomes `given` `[J]`.
+    /// Adds a force and a torque along the step, so that the work becomes `given` `[J]`. The force is at most the sum of
+    /// the spring's forces at both ends, which only a jump of the surface under a short step exceeds.
     fn correct(&self, load: &mut Load, given: f64, square_arm: f64) {
         let Step { way, turn } = &self.step;
         let square = way.norm_squared() + square_arm * turn.norm_squared();
@@ -179,6 +184,9 @@ impl Passage<'_> {
             return;
         }
         let missing = given - load.force.dot(way) - load.torque.dot(turn);
+        let depths = self.start.penetration.abs() + self.end.penetration.abs();
+        let most = self.point.law.stiffness * depths * square.sqrt();
+        let missing = missing.clamp(-most, most);
         load.force += way * (missing / square);
         load.torque += turn * (square_arm * missing / square);
     }

@@ -225,7 +225,7 @@ impl HeldTools {
         if self.is_smooth {
             let ahead = met_within(point, &sides.map(|side| parts[side].rigid));
             let seen = self.spans[number].seen.replace((time, ahead.penetration));
-            // Where the penetration is 0, by interpolation from the last evaluation.
+            // Time of zero penetration, interpolated from the last evaluation.
             let crossing = seen.map_or(time, |(before, depth)| {
                 let change = ahead.penetration - depth;
                 if depth.is_finite() && change != 0.0 {
@@ -437,7 +437,7 @@ impl Moving {
         }
     }
 
-    /// Evaluates the meshes and the pairs of convex solids, those that touch with the tool as held.
+    /// Evaluates the meshes and the pairs of convex solids. If a pair touches, its tool is at its held position.
     pub(super) fn look_at_held_shapes(&mut self, points: &[Point]) {
         for pair in &mut self.held.pairs {
             pair.deepest = f64::NEG_INFINITY;
@@ -518,7 +518,7 @@ impl Moving {
             let (middle, end) = if held.pair_of(point).is_some() {
                 let parts = sides.map(|side| &self.parts[side]);
                 let mut end = overlap(point, parts, &self.surfaces, &self.blocks);
-                // Where it is apart, a point of a pair has no place of its own.
+                // A separated point of a pair has no contact position.
                 match [start, end].map(|met| met.penetration > 0.0) {
                     [true, true] => {}
                     [true, false] => end = start.apart(),

@@ -64,6 +64,14 @@ pub(crate) struct Basic {
 }
 
 impl Basic {
+    /// Returns basic rendering without a damper.
+    pub fn undamped() -> Self {
+        Self {
+            damping: Vec::new(),
+            rotational_damping: Vec::new(),
+        }
+    }
+
     pub fn begin(renderer: &WorldRenderer, state: &mut Progress, positions: &[Vector]) {
         let turned = &state.tracking.seen_turn;
         for (part, (position, turned)) in state

@@ -16,6 +16,7 @@ mod god_object;
 mod god_object_proxy;
 mod hfcr;
 pub(crate) mod renderer;
+mod sampled;
 pub(crate) mod state;
 mod virtual_coupling;
 
@@ -23,6 +24,7 @@ pub use basic::BasicParams;
 pub use coupled_params::CoupledParams;
 pub use god_object::GodObjectParams;
 pub use hfcr::HfcrParams;
+pub use sampled::{PopcParams, SehParams};
 pub use virtual_coupling::VirtualCouplingParams;
 
 use crate::geometry::rigid::Vector3;
@@ -33,6 +35,7 @@ use basic::Basic;
 use coupled::{Coupled, CoupledMemory};
 use god_object::{GodObject, GodObjectMemory};
 use hfcr::{Hfcr, HfcrMemory};
+use sampled::{Sampled, SampledMemory};
 use virtual_coupling::{VirtualCoupling, VirtualCouplingMemory};
 
 /// A rendering method with its parameters.
@@ -45,6 +48,10 @@ pub enum WorldMethod {
     VirtualCoupling(VirtualCouplingParams),
     /// Spring and damper between each device and a proxy that stays on the surface, for comparison.
     GodObject(GodObjectParams),
+    /// Estimate of the mean of the spring force over the coming interval, for comparison.
+    Seh(SehParams),
+    /// Spring force with a passivity observer and controller at each port, for comparison.
+    Popc(PopcParams),
     /// Force whose work along the predicted step of each device is the change of the contacts' energy.
     Hfcr(HfcrParams),
     /// Prediction of devices and world together; the mean force is held.
@@ -59,6 +66,8 @@ impl WorldMethod {
             Self::Basic(_) => "basic",
             Self::VirtualCoupling(_) => "virtual-coupling",
             Self::GodObject(_) => "god-object",
+            Self::Seh(_) => "seh",
+            Self::Popc(params) => params.name(),
             Self::Hfcr(params) => params.name(),
             Self::Coupled(_) => "coupled",
         }
@@ -69,6 +78,8 @@ impl WorldMethod {
             Self::Basic(params) => params.check(tools.len()).map(Checked::Basic),
             Self::VirtualCoupling(params) => params.check(tools).map(Checked::VirtualCoupling),
             Self::GodObject(params) => params.check(tools).map(Checked::GodObject),
+            Self::Seh(_) => Ok(Checked::Sampled(Sampled::Estimated)),
+            Self::Popc(params) => params.check(tools).map(Checked::Sampled),
             Self::Hfcr(params) => params.check(tools.len()).map(Checked::Hfcr),
             Self::Coupled(params) => params.check(tools).map(Checked::Coupled),
         }
@@ -93,6 +104,18 @@ impl From<GodObjectParams> for WorldMethod {
     }
 }
 
+impl From<SehParams> for WorldMethod {
+    fn from(params: SehParams) -> Self {
+        Self::Seh(params)
+    }
+}
+
+impl From<PopcParams> for WorldMethod {
+    fn from(params: PopcParams) -> Self {
+        Self::Popc(params)
+    }
+}
+
 impl From<HfcrParams> for WorldMethod {
     fn from(params: HfcrParams) -> Self {
         Self::Hfcr(params)
@@ -111,6 +134,7 @@ pub(crate) enum Checked {
     Basic(Basic),
     VirtualCoupling(VirtualCoupling),
     GodObject(GodObject),
+    Sampled(Sampled),
     Hfcr(Hfcr),
     Coupled(Coupled),
 }
@@ -121,6 +145,7 @@ pub(crate) enum Memory {
     Basic,
     VirtualCoupling(VirtualCouplingMemory),
     GodObject(GodObjectMemory),
+    Sampled(SampledMemory),
     Hfcr(HfcrMemory),
     Coupled(CoupledMemory),
 }
@@ -129,7 +154,9 @@ impl Checked {
     /// Returns the initial inverse moments of inertia of a tool that contacts turn `[1/(kg m^2)]`.
     pub fn angular_mobility(&self, tool: usize) -> Vector3 {
         match self {
-            Self::Basic(_) | Self::GodObject(_) | Self::Hfcr(_) => Vector3::zeros(),
+            Self::Basic(_) | Self::GodObject(_) | Self::Sampled(_) | Self::Hfcr(_) => {
+                Vector3::zeros()
+            }
             Self::VirtualCoupling(coupling) => coupling.angular_mobility(tool),
             Self::Coupled(coupled) => coupled.turning_priors[tool]
                 .filter(|prior| !prior.led)
@@ -160,6 +187,7 @@ impl Checked {
                 let points = renderer.points.len();
                 Memory::GodObject(GodObjectMemory::new(renderer.tools, points))
             }
+            Self::Sampled(_) => Memory::Sampled(SampledMemory::new(renderer.tools)),
             Self::Hfcr(_) => Memory::Hfcr(HfcrMemory::new(renderer.points.len())),
             Self::Coupled(coupled) => {
                 Memory::Coupled(CoupledMemory::new(coupled, renderer.loop_params().period))
@@ -186,7 +214,12 @@ impl Checked {
             (Self::GodObject(god_object), Memory::GodObject(memory)) => {
                 god_object.begin(renderer, state, memory, positions);
             }
-            _ => Basic::begin(renderer, state, positions),
+            (_, memory) => {
+                if let Memory::Sampled(memory) = memory {
+                    memory.begin();
+                }
+                Basic::begin(renderer, state, positions);
+            }
         }
     }
 
@@ -234,6 +267,9 @@ impl Checked {
             (Self::GodObject(god_object), Memory::GodObject(memory)) => {
                 god_object.plan(state, memory)
             }
+            (Self::Sampled(sampled), Memory::Sampled(memory)) => {
+                sampled.plan(renderer, state, memory)
+            }
             (Self::Hfcr(hfcr), Memory::Hfcr(memory)) => hfcr.plan(renderer, state, memory),
             (Self::Basic(basic), _) => basic.plan(renderer, state),
             // The state belongs to another renderer.
@@ -253,6 +289,7 @@ impl Memory {
             (Self::GodObject(memory), Self::GodObject(before)) => {
                 memory.goes_on_from(before, points);
             }
+            (Self::Sampled(memory), Self::Sampled(before)) => memory.copy_from(before),
             (Self::Hfcr(memory), Self::Hfcr(before)) => memory.goes_on_from(before, points),
             (Self::Coupled(memory), Self::Coupled(before)) => memory.copy_from(before),
             _ => {}
@@ -262,7 +299,7 @@ impl Memory {
     /// Writes the method's estimate of the tools.
     pub fn publish(&self, state: &mut Progress) {
         match self {
-            Self::Basic | Self::Hfcr(_) => Basic::publish(state),
+            Self::Basic | Self::Sampled(_) | Self::Hfcr(_) => Basic::publish(state),
             Self::VirtualCoupling(memory) => memory.publish(state),
             Self::GodObject(memory) => memory.publish(state),
             Self::Coupled(memory) => memory.publish(state),

@@ -133,6 +133,10 @@ impl Reading {
         let mut settings = WorldSettings::default();
         for (key, value) in &given.0 {
             let Some(setting) = SETTINGS.iter().find(|setting| setting.key == key.get_ref()) else {
+                // Without the other faults, the closed form might render the scene.
+                if !self.damaged.is_empty() && method_named(method).is_ok() {
+                    continue;
+                }
                 let known = SETTINGS.map(|setting| setting.key);
                 self.fault(key.span(), unknown_key(key.get_ref(), &known));
                 continue;
@@ -212,8 +216,9 @@ const DAMPER: &str = "virtual-damper";
 const COUPLING: &str = "virtual-coupling";
 const GOD_OBJECT: &str = "god-object";
 const HFCR: &str = "hfcr";
+const POPC: [&str; 2] = ["popc", "popc-ref"];
 
-const SETTINGS: [WorldSetting; 6] = [
+const SETTINGS: [WorldSetting; 9] = [
     WorldSetting {
         key: "damping_n_s_per_m",
         range: Range::NotNegative,
@@ -249,6 +254,24 @@ const SETTINGS: [WorldSetting; 6] = [
         range: Range::Positive,
         methods: &[COUPLING],
         field: |settings| &mut settings.coupling.inertia,
+    },
+    WorldSetting {
+        key: "damping_cap_n_s_per_m",
+        range: Range::Positive,
+        methods: &POPC,
+        field: |settings| &mut settings.damping_cap,
+    },
+    WorldSetting {
+        key: "speed_threshold_m_per_s",
+        range: Range::NotNegative,
+        methods: &POPC,
+        field: |settings| &mut settings.speed_threshold,
+    },
+    WorldSetting {
+        key: "initial_energy_j",
+        range: Range::NotNegative,
+        methods: &[POPC[0]],
+        field: |settings| &mut settings.initial_energy,
     },
 ];
 

@@ -464,7 +464,7 @@ fn a_setting_of_a_method_is_for_the_methods_that_use_it() {
         ),
         (
             "coupled]\ndamping_n_s_per_m = 1",
-            "coupled does not use damping_n_s_per_m; it is for virtual-damper, virtual-coupling, god-object",
+            "coupled does not use damping_n_s_per_m; it is for virtual-damper, hfcr, virtual-coupling, god-object",
         ),
         (
             "virtual-damper]\ndamping_n_s_per = 1",
@@ -478,10 +478,7 @@ fn a_setting_of_a_method_is_for_the_methods_that_use_it() {
             "virtual-damper]\ndamping_n_s_per_m = -1",
             "damping_n_s_per_m is -1, and has to be at least 0",
         ),
-        (
-            "seh]\nestimate = \"ab2\"",
-            "seh renders one contact along one axis; this scene is a world",
-        ),
+        ("seh]\nestimate = \"ab2\"", "unknown key estimate"),
     ] {
         let said = said(&with(table));
         assert!(said.len() == 1 && said[0].contains(words), "{said:?}");
