@@ -14,8 +14,9 @@ use std::process::ExitCode;
 use std::thread;
 
 use palpate::{
-    Actuation, AnyParams, BasicParams, Contact, CoupledParams, Guard, GuardParams, HandBound, HfcrParams,
-    LARGEST_DELAY, LoopParams, MethodParams, ObjectState, Phase, Renderer, Sample, Scalar,
+    Actuation, AnyParams, BasicParams, Contact, CoupledParams, Guard, GuardParams, HandBound,
+    HfcrParams, LARGEST_DELAY, LoopParams, MethodParams, ObjectState, Phase, Renderer, Sample,
+    Scalar,
 };
 
 /// Largest allowed stack of a tick [bytes].
