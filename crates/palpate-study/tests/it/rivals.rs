@@ -10,13 +10,16 @@ fn word(key: SettingKey, word: &'static str) -> Settings {
     Settings::default().with(key, ParameterValue::Word(word))
 }
 
+/// A method with its settings, and its errors.
+type Row = ((MethodName, Option<Settings>), [f64; 3]);
+
 /// FRE in percent on Fig. 2, experiment 1 and experiment 2, each method with the settings of the scene or those of the
 /// row. The third scene is chaotic in these settings.
 #[test]
 fn force_rendering_errors_on_the_papers_scenes() {
     let own = |method| (method, None);
     let as_given = |method, settings| (method, Some(settings));
-    let rows: [((MethodName, Option<Settings>), [f64; 3]); 8] = [
+    let rows: [Row; 8] = [
         (own(MethodName::EnergyCorrected), [14.7, 17.8, 101.0]),
         (own(MethodName::ForceBounding), [99.5, 94.4, 64.1]),
         (own(MethodName::Pmi), [106.8, 96.1, 135.9]),
