@@ -252,6 +252,8 @@ impl Attack {
             3 => other.gap = (other.gap * random.between(0.7, 1.4)).max(1e-9),
             4 => other.phase = random.between(0.0, 1.0),
             _ => {
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+                // not negative and small
                 let place = |random: &mut Random, most: f64| random.between(0.0, most) as usize;
                 let from = place(random, (LENGTH * PARTS) as f64);
                 let span = [2.0, 5.0, 20.0, 60.0][place(random, 4.0)];
