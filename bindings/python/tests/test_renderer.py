@@ -165,7 +165,10 @@ def test_ledger_records_the_reported_sent_force() -> None:
         ({"device_mass": None}, "coupled needs device_mass [kg]: the effective mass of the device"),
         ({"method": "couplid"}, 'no method is called "couplid"; did you mean "coupled"?'),
         ({"method": ["basic", "seh"]}, "a Renderer renders by one method; name it with method"),
-        ({"damping": 2.0}, "damping cannot be used by method coupled; it is for virtual-damper, hfcr"),
+        (
+            {"damping": 2.0},
+            "damping cannot be used by method coupled; it is for virtual-damper, energy-tank, virtual-coupling, hfcr",
+        ),
         ({"method": "virtual-damper", "damping": -2.0}, "damping is -2 N s/m, but must be finite and not below 0"),
         ({"method": "hfcr", "damping": "lots"}, "damping is 'lots', but must be a number [N s/m] or \"stability-optimal\" or \"auto\" or \"adaptive\""),
         ({"placement": 1.5}, "placement is 1.5, but must be True or False"),

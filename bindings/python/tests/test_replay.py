@@ -118,8 +118,8 @@ def test_the_motion_of_a_world_is_replayed(program: Any, world: Path) -> None:
     for wrong in ({"stiffness": 100.0}, {"replay": "hand"}, {"begin": 0.1}, {"damping": 1.0}):
         with pytest.raises(ValueError, match=f"^{[*wrong][0]}: .* is a recording of a world"):
             palpate.replay(world, **wrong)
-    with pytest.raises(ValueError, match="hfcr"):
-        palpate.replay(world, "hfcr")
+    with pytest.raises(ValueError, match="pmi"):
+        palpate.replay(world, "pmi")
 
 
 def test_a_recording_that_was_cut_off_is_replayed_and_said(program: Any, tap: Path, tmp_path: Path) -> None:

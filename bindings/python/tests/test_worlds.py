@@ -236,8 +236,8 @@ def test_every_fault_of_a_world_is_said(root: Path, tmp_path: Path) -> None:
     for use in (palpate.World, palpate.simulate):
         with pytest.raises(ValueError, match=r"wrong.toml:\d+:\d+: body \"ball\": mass is 0"):
             use(path)
-    with pytest.raises(ValueError, match='no method "hfcr" for worlds'):
-        palpate.World(PADDLE, method="hfcr")
+    with pytest.raises(ValueError, match='no method "pmi" for worlds'):
+        palpate.World(PADDLE, method="pmi")
     with pytest.raises(ValueError, match="virtual-damper needs damping_n_s_per_m"):
         palpate.simulate(PADDLE, method=["basic", "virtual-damper"])
     with pytest.raises(TypeError, match="runs on scenes of one contact"):

@@ -206,7 +206,7 @@ fn a_change_that_cannot_be_made_changes_nothing() {
         ("set stiffness=800", "did you mean stiffness_n_per_m?"),
         (
             "set damping_n_s_per_m=1",
-            "damping_n_s_per_m is for virtual-damper, hfcr, not for",
+            "damping_n_s_per_m is for virtual-damper, energy-tank, virtual-coupling, hfcr, not for",
         ),
         ("set stiffness_n_per_m=0,8", "must be a number"),
         ("set", "`set` has no values"),

@@ -359,7 +359,7 @@ method = \"hfcr\"
         ),
         (
             "[a]\nmethod = \"seh\"\ndamping_n_s_per_m = 1",
-            "column a: damping_n_s_per_m: seh cannot use it; it is for virtual-damper, hfcr",
+            "column a: damping_n_s_per_m: seh cannot use it; it is for virtual-damper, energy-tank, virtual-coupling, hfcr",
         ),
         ("[a", "TOML parse error at line 1"),
         (

@@ -226,10 +226,10 @@ method = "hfcr" -> method = "magic"
   42:10: no method is called "?"; the methods are basic, seh, virtual-damper, popc, popc-ref, energy-corrected, force-bounding, pmi, energy-tank, virtual-coupling, hfcr-mod, hfcr-mod-st, hfcr, coupled
   "?"
 [methods.hfcr] -> [methods.basic]
-  43:1: basic does not use damping_n_s_per_m; it is for virtual-damper, hfcr
+  43:1: basic does not use damping_n_s_per_m; it is for virtual-damper, energy-tank, virtual-coupling, hfcr
   damping_n_s_per_m
 [methods.hfcr] -> [methods.hfcr-mod]
-  43:1: hfcr-mod does not use damping_n_s_per_m; it is for virtual-damper, hfcr
+  43:1: hfcr-mod does not use damping_n_s_per_m; it is for virtual-damper, energy-tank, virtual-coupling, hfcr
   damping_n_s_per_m
 damping_n_s_per_m = 0.1 -> damping_cap_n_s_per_m = 0.1
   43:1: hfcr does not use damping_cap_n_s_per_m; it is for popc, popc-ref, energy-tank
@@ -253,7 +253,7 @@ initial_energy_j = 0 -> initial_energy_j = -1
   48:1: popc-ref does not use initial_energy_j; it is for popc, energy-tank
   initial_energy_j
 estimate = "ab2" -> damping_n_s_per_m = 1
-  51:1: seh does not use damping_n_s_per_m; it is for virtual-damper, hfcr
+  51:1: seh does not use damping_n_s_per_m; it is for virtual-damper, energy-tank, virtual-coupling, hfcr
   damping_n_s_per_m
 estimate = "ab2" -> prediction = "observer"
   51:1: seh does not use prediction; it is for virtual-damper, hfcr
