@@ -432,7 +432,8 @@ fn a_device_that_gives_no_torque_is_run_and_replayed() {
     assert_eq!(methods[0]["devices"][0]["torque"], serde_json::Value::Null);
     let error = |place: usize| number(&methods[place]["sum"], "mean_force_error_percent");
     assert!(error(1) < 0.9 * error(0), "{} {}", error(1), error(0));
-    let header = "method,device,t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n,qw,qx,qy,qz";
+    let header = "method,device,t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n,qw,qx,qy,qz,mean_fx_n,mean_fy_n,mean_fz_n,\
+        ideal_fx_n,ideal_fy_n,ideal_fz_n,ideal_x_m,ideal_y_m,ideal_z_m";
     assert_eq!(folder.read("replayed.csv").lines().next(), Some(header));
     let report =
         parse(&folder.succeed("run stylus.toml --device pointer --fast --duration 0.1 --json"));
