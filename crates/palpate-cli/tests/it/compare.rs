@@ -93,7 +93,7 @@ fn the_table_marks_the_best_and_the_broken() {
 #[test]
 fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
     let folder = folder();
-    // For such a soft contact 3 K T is 0, which is not a valid cap of a passivity controller.
+    // For such a soft contact 3 K T is 0, which is not a valid cap of an injected damping, and K T^2 is no mass.
     let text = experiment_text("wall")
         .replace("stiffness_n_per_m = 1000", "stiffness_n_per_m = 5e-324")
         .replace("collisions = 3", "duration_s = 0.2");
@@ -101,9 +101,14 @@ fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
     let comparison = folder.json("compare soft.toml");
     for method in METHODS {
         let row = row(&comparison, 0, method);
-        if method.starts_with("popc") {
-            let why = "damping_cap_n_s_per_m is 0 N s/m, but must be finite and greater than 0";
-            assert_eq!(row["cannot"], why, "{method}");
+        let setting = match method {
+            "popc" | "popc-ref" | "energy-tank" => Some("damping_cap_n_s_per_m is 0 N s/m"),
+            "virtual-coupling" => Some("coupling_mass_kg is 0 kg"),
+            _ => None,
+        };
+        if let Some(is) = setting {
+            let why = format!("{is}, but must be finite and greater than 0");
+            assert_eq!(row["cannot"], why.as_str(), "{method}");
             assert_eq!(row.get("diverged"), None, "{method}");
         } else {
             assert_eq!(row.get("cannot"), None, "{method}");
@@ -115,7 +120,7 @@ fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
         model
             .matches("cannot be set up: damping_cap_n_s_per_m is 0")
             .count(),
-        2,
+        3,
         "{model}"
     );
     assert!(folder.read("soft.csv").contains(",popc,"));
