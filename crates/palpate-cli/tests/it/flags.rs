@@ -291,7 +291,10 @@ fn a_setting_that_means_two_things_needs_one_method() {
         folder.fail(
             command,
             2,
-            &["--damping has two meanings: for virtual-damper damping B of the contact, for hfcr damping b"],
+            &[
+                "--damping has two meanings: for virtual-damper damping B of the contact",
+                "for hfcr damping b of the leak dissipation",
+            ],
         );
     }
     for command in &commands(&[("--method", "all"), ("--damping-cap", "1")])[..2] {

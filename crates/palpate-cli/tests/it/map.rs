@@ -530,7 +530,10 @@ fn advice_against_coupled_has_its_reason() {
         "advise --device-mass 0.3 --period 0.002 --encoder-quantum 1e-5 --stiffness 2000 --mass 0.05",
     );
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(text.contains("Use hfcr with its defaults"), "{text}");
+    assert!(
+        text.contains("Use energy-corrected with its defaults"),
+        "{text}"
+    );
     let reason =
         "coupled has a smaller error, 1.6 %, but its force swings at rest by 10.8 % of the weight";
     assert!(text.contains(reason), "{text}");

@@ -73,7 +73,7 @@ fn the_farthest_is_one_of_those_that_hold_together() {
     );
     let shown = words(&folder, "all.svg");
     let expected = format!(
-        "; diverged or stopped: 5 of 9; farthest of the others: popc, {:.1} %",
+        "; diverged or stopped: 5 of 14; farthest of the others: popc, {:.1} %",
         error("popc")
     );
     assert!(title(&shown).contains(&expected), "{shown:?}");

@@ -276,8 +276,8 @@ fn flags_of_one_contact_and_methods_of_one_contact_are_refused() {
         ("--delay-periods 1", "--delay-periods: ball.toml is a world"),
         ("--damping 3", "--damping: ball.toml is a world"),
         (
-            "--method hfcr",
-            "--method: there is no method \"hfcr\" for worlds. Known here: basic",
+            "--method pmi",
+            "--method: there is no method \"pmi\" for worlds. Known here: basic",
         ),
         (
             "--columns force,penetration",

@@ -195,13 +195,13 @@ fn a_flag_does_what_an_edit_of_the_scene_does() {
         ("--method seh", "method = \"hfcr\"", "method = \"seh\""),
         (
             "--damping 0.7",
-            "damping_n_s_per_m = 0.01",
-            "damping_n_s_per_m = 0.7",
+            "\ndamping_n_s_per_m = 0.01\n",
+            "\ndamping_n_s_per_m = 0.7\n",
         ),
         (
             "--damping auto",
-            "damping_n_s_per_m = 0.01",
-            "damping_n_s_per_m = \"auto\"",
+            "\ndamping_n_s_per_m = 0.01\n",
+            "\ndamping_n_s_per_m = \"auto\"\n",
         ),
         (
             "--force-limit 2",

@@ -26,11 +26,11 @@ fn client_receives_hello_state_and_status() {
     let force = json!({"name": "force_on_device_n", "unit": "N"});
     let flags = json!({"name": "flags", "unit": ""});
     assert!(columns.contains(&force) && columns.contains(&flags));
-    assert_eq!(hello["methods"].as_array().unwrap().len(), 9);
-    assert_eq!(hello["methods"][7]["name"], "hfcr");
-    assert_eq!(hello["methods"][7]["damping"], true);
+    assert_eq!(hello["methods"].as_array().unwrap().len(), 14);
+    assert_eq!(hello["methods"][12]["name"], "hfcr");
+    assert_eq!(hello["methods"][12]["damping"], true);
     // It is read alone.
-    let title = hello["methods"][7]["title"].as_str().unwrap();
+    let title = hello["methods"][12]["title"].as_str().unwrap();
     assert!(title.contains("energy-consistent force"), "{title}");
     assert_eq!(hello["limits"]["period_s"], json!([0.000_25, 0.05]));
     assert_eq!(

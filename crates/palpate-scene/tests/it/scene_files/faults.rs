@@ -48,7 +48,7 @@ collisions = 3 -> collisons = 3
   40:1: unknown key collisons, did you mean collisions? Known here: collisions, duration_s
   collisons
 damping_cap_n_s_per_m -> damping_cap
-  46:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: estimate, damping_n_s_per_m, prediction, damper_object, longest_window_s, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, balance, entry_hold, placement, correction
+  46:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: estimate, damping_n_s_per_m, prediction, damper_object, longest_window_s, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, assumed_damping_n_s_per_m, midpoint_device, desired_energy_j, coupling_stiffness_n_per_m, coupling_mass_kg, balance, entry_hold, placement, correction
   damping_cap"#,
         6,
     );
@@ -107,10 +107,10 @@ unilateral = false -> unilateral = 0
   34:14: invalid type: integer `0`, expected a boolean
   0
 damping_n_s_per_m = 0.1 -> damping_n_s_per_m = "atuo"
-  43:21: invalid value: string "atuo", expected a number in N s/m or "auto"
+  43:21: invalid value: string "atuo", expected a number in N s/m or "stability-optimal" or "auto" or "adaptive"
   "atuo"
 damping_n_s_per_m = 0.1 -> damping_n_s_per_m = true
-  43:21: invalid type: boolean `true`, expected a number in N s/m or "auto"
+  43:21: invalid type: boolean `true`, expected a number in N s/m or "stability-optimal" or "auto" or "adaptive"
   true
 estimate = "ab2" -> estimate = "ab4"
   51:12: unknown variant `ab4`, expected one of `ab2`, `differences`, `ab3`

@@ -101,7 +101,8 @@ fn the_square_of_the_error_is_that_of_the_floor_and_of_the_mean_force_error() {
             // bound.
             match method {
                 MethodName::Coupled => assert!(wrong < 0.001, "{name}"),
-                _ => assert!(wrong > 5.0, "{name} {method}"),
+                // Least for energy-corrected in experiment 1.
+                _ => assert!(wrong > 3.0, "{name} {method}"),
             }
         }
     }
