@@ -364,7 +364,7 @@ method = \"hfcr\"
         ("[a", "TOML parse error at line 1"),
         (
             "[a]\nmethod = \"coupled\"\ndamping_over_k_t = 1",
-            "column a: coupled has no damping; virtual-damper, hfcr have",
+            "column a: coupled has no damping; virtual-damper, energy-tank, virtual-coupling, hfcr have",
         ),
         (
             "[a]\nmethod = \"hfcr\"\ndamping_over_k_t = []",
