@@ -20,7 +20,7 @@ use palpate::{
 };
 
 /// Largest allowed stack of a tick [bytes].
-const MOST: usize = 4096;
+const MOST: usize = 4608;
 /// Painted depth [bytes], far more than a tick needs.
 const PAINTED: usize = 64 * 1024;
 /// Distance between a caller's own frame and the paint [bytes]: the frame of the painter.

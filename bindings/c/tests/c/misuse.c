@@ -225,10 +225,10 @@ static void names(void) {
   EXPECT(strcmp(palpate_fault_name(PALPATE_FAULT_GAP_TOO_LONG), "gap-too-long") == 0);
   EXPECT(strcmp(palpate_fault_name(PALPATE_FAULT_ARGUMENT), "argument") == 0);
   EXPECT(strcmp(palpate_fault_name(50), "unknown") == 0);
-  /* The setting damper_object of the method virtual-damper accepts words, the first of which is a number. */
+  /* The setting damper_object of the method virtual-damper accepts words, longest_window_s none. */
   palpate_setting_text(2, 2, PALPATE_ABOUT_SETTING_WORDS, words, sizeof words);
   EXPECT(strcmp(words, "spring-and-damper, spring, held-force") == 0);
-  EXPECT(palpate_setting_text(2, 0, PALPATE_ABOUT_SETTING_WORDS, words, sizeof words) == 0 && strcmp(words, "") == 0);
+  EXPECT(palpate_setting_text(2, 3, PALPATE_ABOUT_SETTING_WORDS, words, sizeof words) == 0 && strcmp(words, "") == 0);
 }
 
 static void memory(void) {
