@@ -93,7 +93,7 @@ fn the_table_marks_the_best_and_the_broken() {
 #[test]
 fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
     let folder = folder();
-    // For such a soft contact 3 K T is 0, which is not a valid cap of an injected damping, and K T^2 is no mass.
+    // For such a soft contact 3 K T is 0, which is not a valid cap, and K T^2 is 0, which is not a valid mass.
     let text = experiment_text("wall")
         .replace("stiffness_n_per_m = 1000", "stiffness_n_per_m = 5e-324")
         .replace("collisions = 3", "duration_s = 0.2");
