@@ -141,6 +141,21 @@ impl ExcitedMotion {
         })
     }
 
+    /// Returns what the loop did to the samples, which is a possible cause of a fit that fails: missing samples and uneven
+    /// times; `None` without either.
+    #[must_use]
+    pub fn loop_fault(&self) -> Option<String> {
+        let missing = (self.missed > 0).then(|| {
+            format!(
+                "{} of {} samples are missing",
+                self.missed,
+                self.positions.len()
+            )
+        });
+        let faults: Vec<String> = missing.into_iter().chain(self.uneven_pace()).collect();
+        (!faults.is_empty()).then(|| faults.join("; "))
+    }
+
     /// Returns the phase of the excitation.
     #[must_use]
     pub fn phase(&self) -> Phase {

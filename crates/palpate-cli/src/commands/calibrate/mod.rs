@@ -93,7 +93,12 @@ fn deliver(
         &motion.positions,
         &motion.forces,
     )
-    .map_err(|declined| Failure::Declined(format!("no calibration: {declined}")))?;
+    .map_err(|declined| {
+        let by_loop = motion.loop_fault().map_or_else(String::new, |fault| {
+            format!(". The loop may be the cause: {fault}; try again on an idle machine first")
+        });
+        Failure::Declined(format!("no calibration: {declined}{by_loop}"))
+    })?;
     let seconds = begun.elapsed().as_secs_f64();
     let calibration = &mut measured.fitted.calibration;
     describe(calibration, arguments);
