@@ -1,4 +1,4 @@
-//! The tables of docs/readings.md: the committed columns over the start heights.
+//! The tables of docs/results/readings.md: the committed columns over the start heights.
 
 use palpate_study::heights::over_heights;
 use palpate_study::suite::Column;

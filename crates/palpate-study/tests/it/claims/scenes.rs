@@ -1,5 +1,5 @@
 //! Readings of the paper's scenes: where the hand's force acts, the ball's radius, the safety box, the
-//! window of leak dissipation, and the friction under SEH. `docs/readings.md` has the tables.
+//! window of leak dissipation, and the friction under SEH. `docs/results/readings.md` has the tables.
 
 use palpate_scene::method::MethodName;
 use palpate_scene::{Measure, Scene};

@@ -1,6 +1,6 @@
 //! Ambiguous statements of the paper, and the effect of each interpretation on its claims.
 //!
-//! docs/readings.md has the readings and these numbers in tables.
+//! docs/results/readings.md has the readings and these numbers in tables.
 
 use palpate_core::{
     AnyParams, DamperObject, EnergyBalance, EntryHold, HfcrParams, ObjectState, Phase, Prediction,
