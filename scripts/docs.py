@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Checks the documentation: docs/SUMMARY.md lists every page once, every relative link resolves, tables have a header,
-code fences are closed, and every page named in a source file exists."""
+code fences are closed, every page named in a source file exists, and the reference has every key of a scene, device or
+calibration file and every report of docs/schema. `scripts/reference --check` compares the flags."""
 
+import json
 import re
 import subprocess
 import sys
@@ -11,6 +13,10 @@ ROOT = Path(__file__).resolve().parent.parent
 FENCE = re.compile(r"^(```|~~~).*?^\1", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\(<?([^)>\s]+)>?(?:\s+\"[^\"]*\")?\)")
 NAMED = re.compile(r"\bdocs/[\w./-]+\.(?:md|svg|json|ipynb)\b")
+# Files that read the keys of scenes, linkages and calibrated devices, those of settings of methods, and their pages.
+KEY_SOURCES = ["crates/palpate-scene/src", "crates/palpate-study/src/calibrate"]
+SETTING_SOURCES = ["crates/palpate-core/src/render"]
+KEY_PAGES = ["scene.md", "world-devices.md", "world-shapes.md", "device-file.md"]
 SOURCES = {".rs", ".py", ".toml", ".h", ".hpp", ".cs", ".js", ".mjs", ".sh", ".html", ""}
 
 
@@ -37,6 +43,44 @@ def faults_of_form(text: str) -> list[str]:
         lines = table.splitlines()
         if len(lines) < 2 or not re.fullmatch(r"\|(?: *:?-+:? *\|)+", lines[1]):
             faults.append(f"a table has no header: {lines[0][:60]}")
+    return faults
+
+
+def faults_of_keys() -> list[str]:
+    """Returns the keys of files that the reference lacks, and those in its tables that the sources lack."""
+    code, settings = (
+        "\n".join(file.read_text() for name in names for file in sorted((ROOT / name).rglob("*.rs")))
+        for names in (KEY_SOURCES, SETTING_SOURCES)
+    )
+    keys: set[str] = set()
+    for fields in re.findall(r"deny_unknown_fields[^{]*?struct \w+[^{;]*\{(.*?)\n\}", code, re.DOTALL):
+        renamed = r"""(?:#\[serde\([^)]*?rename = "(\w+)"[^)]*\)\]\s+)?"""
+        for new, name in re.findall(renamed + r"^ +(?:pub(?:\([^)]*\))? )?(?:r#)?([a-z]\w*):", fields, re.MULTILINE):
+            keys.add(new or name)
+    if len(keys) < 100:
+        return [f"{KEY_SOURCES[0]}: only {len(keys)} keys were found; scripts/docs.py no longer reads the structs"]
+    pages = {name: (ROOT / "docs/reference" / name).read_text() for name in KEY_PAGES}
+    text = "\n".join(pages.values())
+    faults = [f"docs/reference: the key {key} is missing" for key in sorted(keys) if not re.search(rf"\b{key}\b", text)]
+    for name, page in pages.items():
+        for cell in re.findall(r"^\| (.*?) \|", page, re.MULTILINE):
+            for key in re.findall(r"`\.?(?:[\w.-]+\.)?([a-z_0-9]+)`", cell):
+                if not re.search(rf"\b{key}\b", code + settings, re.IGNORECASE):
+                    faults.append(f"docs/reference/{name}: the sources have no key {key}")
+    return faults
+
+
+def faults_of_reports() -> list[str]:
+    """Returns the schemas that docs/reference/reports.md lacks, or lists with another format."""
+    page = (ROOT / "docs/reference/reports.md").read_text()
+    faults = []
+    for file in sorted((ROOT / "docs/schema").glob("*.json")):
+        schema = json.loads(file.read_text())
+        found = re.search(r'"format": \{[^}]*"const": "([^"]+)"', json.dumps(schema))
+        row = re.search(rf"^\| `([^`]+)` \|.*\(\.\./schema/{file.name}\) \|$", page, re.MULTILINE)
+        if not found or not row or row.group(1) != found.group(1):
+            expected = found.group(1) if found else "a format"
+            faults.append(f"docs/reference/reports.md: no row of `{expected}` links to ../schema/{file.name}")
     return faults
 
 
@@ -77,6 +121,7 @@ def main() -> int:
                 if not (ROOT / name).exists():
                     errors.append(f"{file.relative_to(ROOT)}: {name}: there is no such file")
 
+    errors += faults_of_keys() + faults_of_reports()
     for error in errors:
         print(error, file=sys.stderr)
     return 1 if errors else 0
