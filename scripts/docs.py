@@ -1,7 +1,11 @@
 #!/usr/bin/env python3
 """Checks the documentation: docs/SUMMARY.md lists every page once, every relative link resolves, tables have a header,
 code fences are closed, every page named in a source file exists, and the reference has every key of a scene, device or
-calibration file and every report of docs/schema. `scripts/reference --check` compares the flags."""
+calibration file and every report of docs/schema. `scripts/reference --check` compares the flags.
+
+    scripts/docs.py            checks, and lists the faults
+    scripts/docs.py --words    counts the words of each page outside docs/results, and how many are generated
+"""
 
 import json
 import re
@@ -17,6 +21,8 @@ NAMED = re.compile(r"\bdocs/[\w./-]+\.(?:md|svg|json|ipynb)\b")
 KEY_SOURCES = ["crates/palpate-scene/src", "crates/palpate-study/src/calibrate"]
 SETTING_SOURCES = ["crates/palpate-core/src/render"]
 KEY_PAGES = ["scene.md", "world-devices.md", "world-shapes.md", "device-file.md"]
+# Pages that a command writes: `scripts/reference`, and `npm run gallery --prefix conformance/browser`.
+GENERATED = {"docs/reference/flags.md", "docs/gallery.md"}
 SOURCES = {".rs", ".py", ".toml", ".h", ".hpp", ".cs", ".js", ".mjs", ".sh", ".html", ""}
 
 
@@ -44,6 +50,20 @@ def faults_of_form(text: str) -> list[str]:
         if len(lines) < 2 or not re.fullmatch(r"\|(?: *:?-+:? *\|)+", lines[1]):
             faults.append(f"a table has no header: {lines[0][:60]}")
     return faults
+
+
+def print_words() -> None:
+    """Prints the words of each page (tokens with a letter or digit) and those in generated pages and tables."""
+    pages = [page for page in sorted((ROOT / "docs").rglob("*.md")) if page.parent.name != "results"]
+    pages += [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "crates").glob("*/README.md"))]
+    sums = [0, 0]
+    for page in pages:
+        text, name = page.read_text(), str(page.relative_to(ROOT))
+        made = text if name in GENERATED else "".join(re.findall(r"^<!-- .*?^<!-- end -->", text, re.DOTALL | re.MULTILINE))
+        counts = [len(re.findall(r"\S*\w\S*", part)) for part in (text, made)]
+        sums = [total + count for total, count in zip(sums, counts)]
+        print(f"{counts[0]:6} {counts[1]:6}  {name}")
+    print(f"{sums[0]:6} {sums[1]:6}  words, of which generated")
 
 
 def faults_of_keys() -> list[str]:
@@ -128,4 +148,7 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    if sys.argv[1:] == ["--words"]:
+        print_words()
+    else:
+        sys.exit(main())
