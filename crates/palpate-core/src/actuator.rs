@@ -16,10 +16,6 @@ pub struct Held<S> {
     /// Lead of its impulse over that of a constant force: the integral of (h - s) f(s) over the interval of h, minus
     /// that of the mean `[N s^2]`. 0 for a force that was held throughout.
     pub lead: S,
-    /// Largest change of its work by a unit acceleration of the device that leaves the device's displacement as it is
-    /// `[N s^2]`: the integral of |G|, where G(s) is the impulse of f - mean over the rest of the interval. 0 for a
-    /// force that was held throughout.
-    pub course: S,
     /// Change of the force by the commands that begin in the interval `[N]`.
     pub step: S,
     /// Sum of these changes, each times the remaining duration of the interval when it begins `[N s]`.
@@ -34,12 +30,22 @@ impl<S: Scalar> Held<S> {
         Self {
             mean: force,
             lead: S::ZERO,
-            course: S::ZERO,
             step: S::ZERO,
             step_moment: S::ZERO,
             impulse_deviation: S::ZERO,
         }
     }
+}
+
+/// Bounds on the force on a device over an interval, for the work that its mean does not show.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Uneven<S> {
+    /// Largest change of its work by a unit acceleration of the device that leaves the device's displacement as it is
+    /// `[N s^2]`: the integral of |G|, where G(s) is the impulse of f - mean over the rest of the interval. 0 for a
+    /// force that was held throughout.
+    pub course: S,
+    /// Integral of |f| `[N s]`.
+    pub size: S,
 }
 
 /// A command that may not have reached the device yet.
@@ -162,7 +168,7 @@ impl<S: Scalar> Actuator<S> {
         (mean, lead, aim + off * decayed)
     }
 
-    /// Returns the part of [`Held::course`] in an interval of `h` `[s]` by a response from `begins` to `ends` `[s]` that
+    /// Returns the part of [`Uneven::course`] in an interval of `h` `[s]` by a response from `begins` to `ends` `[s]` that
     /// starts at a distance of `off` from its final value `[N]`, after a step of `jump` `[N]`.
     fn course(&self, [begins, ends, h]: [S; 3], off: S, jump: S) -> S {
         // A change df at s contributes |df| s (h - s)/2.
@@ -200,8 +206,6 @@ impl<S: Scalar> Actuator<S> {
                 continue;
             }
             let (mean, lead, end) = self.respond(before.sent, command.sent, length);
-            let off = before.sent - self.gain * command.sent;
-            sum.held.course += self.course([begins, ends, h], off, self.gain * step);
             let as_intended = command.sent == command.intended && before.sent == before.intended;
             let (intended, intended_end) = if as_intended {
                 (mean, end)
@@ -244,20 +248,28 @@ impl<S: Scalar> Actuator<S> {
         sum
     }
 
-    /// Returns the largest [`Held::course`] by a step of 1 N in intervals of `h` `[s]` `[s^2]`.
-    fn course_of_step(&self, h: S) -> S {
-        if self.is_whole && self.lag <= S::ZERO {
-            return S::ZERO;
+    /// Computes the bounds on the force by the commands of a schedule over an interval of `h` `[s]`, from the force
+    /// `felt` at its begin `[N]`.
+    fn uneven(&self, mut felt: S, schedule: &Schedule<S>, h: S) -> Uneven<S> {
+        let mut sum = Uneven::default();
+        for part in schedule.parts(h) {
+            let length = part.ends - part.begins;
+            if length <= S::ZERO {
+                continue;
+            }
+            let aim = self.gain * part.command.sent;
+            let off = felt - aim;
+            sum.course += self.course([part.begins, part.ends, h], off, self.gain * part.step);
+            if self.lag > S::ZERO {
+                let [decayed, carried] = decay(self.lag, length);
+                sum.size += felt.abs() * carried + aim.abs() * (length - carried);
+                felt = aim + off * decayed;
+            } else {
+                sum.size += aim.abs() * length;
+                felt = aim;
+            }
         }
-        let periods = self.delay / h;
-        let begins = if self.is_whole {
-            S::ZERO
-        } else {
-            (periods - periods.floor()) * h
-        };
-        // Of a step at s: s (h - s)/2, at most h^2/8. A lag delays the change by its time constant on average.
-        let sharp = S::HALF * begins * (h - begins);
-        (sharp + S::HALF * h * self.lag).min(S::from_f64(0.125) * h * h)
+        sum
     }
 
     /// Returns the impulse that the lag carries into an interval of `h` `[s]`, and the part of a command's impulse that
@@ -359,6 +371,19 @@ impl<S: Scalar> UnderWay<S> {
             newest.span = h;
         }
         piece
+    }
+
+    /// Returns the bounds on the force in an interval of `h` `[s]` that is about to [`pass`](Self::pass).
+    #[must_use]
+    pub fn uneven(&self, actuator: &Actuator<S>, h: S) -> Uneven<S> {
+        if actuator.is_at_once {
+            let held = actuator.gain * self.aged(0).command.sent;
+            return Uneven {
+                course: S::ZERO,
+                size: held.abs() * h,
+            };
+        }
+        actuator.uneven(self.felt_by_model, &self.schedule(actuator, S::ZERO, h), h)
     }
 
     /// Ends an interval for a method with another actuator estimate than the `model` of the loop. Returns the force on

@@ -14,9 +14,19 @@
 //! nominal period, the energy given out at the end of an interval with a held force never exceeds the stored energy,
 //! the energy supplied by f_V and changes from outside, and the allowance.
 //!
-//! With a lag or a fraction of a period of delay the force changes between two samples. The port work is then that of
-//! the mean force, which is exact for a device that does not reverse its motion in between. The guard uses the delay,
-//! lag and gain of [`Actuation`](crate::Actuation), without their deviations.
+//! The guard uses the delay, lag and gain of [`Actuation`](crate::Actuation), without their deviations.
+//!
+//! # Energy given out unnoticed
+//!
+//! The balance has the port work of the mean force over the measured displacement. Two parts of the true work can
+//! escape it; the guard deducts their largest value as `hidden`:
+//!
+//! - The quantum q of the sensor hides `|change of f| q/2`.
+//! - With a lag or a fraction of a period of delay the force changes between two samples ([`Uneven`]). A device that
+//!   reverses its motion in between takes up to `4 v_max course/T`, and no more than `v_max` times the integral of |f|
+//!   in total.
+//!
+//! Both need a motion that matches the changes of the force, so `hidden` decreases by [`GuardParams::recovery`].
 //!
 //! # Bound by acceleration
 //!
@@ -33,12 +43,10 @@
 //! t_f is the centroid of the own impulse. Pulls have the mirrored bound. The largest f that satisfies one of the two
 //! bounds is sent. A device that enters the object pays nothing.
 //!
-//! `hidden` is the energy that may have been given out unnoticed: the quantum hides `|change of f| q/2`, and a force
-//! that changes between two samples `a_h course - min(mean lead, 0)/m` ([`Held`]). Both need a motion that matches the
-//! changes of the force, so `hidden` decreases by [`HandBound::recovery`].
+//! A force that changes between two samples then hides at most `a_h course - min(mean lead, 0)/m`.
 
 use crate::Scalar;
-use crate::actuator::{Held, Impulse, Pending};
+use crate::actuator::{Held, Impulse, Pending, Uneven};
 use crate::parameter::{Parameter, ParameterError};
 
 /// Mode of the bound on the energy given out.
@@ -79,6 +87,14 @@ pub struct GuardParams<S> {
     /// Energy that may be given out beyond the balance, epsilon `[J]`, not below 0. With 0, a contact without stored
     /// energy could not begin to push.
     pub allowance: S,
+    /// Quantum q of the position sensor `[m]`, not below 0.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub quantum: S,
+    /// Power by which the energy that may have been given out unnoticed is forgiven `[W]`, not below 0. The guarantee
+    /// of a force that changes between two samples, or of a sensor with a quantum, is the allowance plus this power
+    /// times the time. With 0 the guard is strict and loses its allowance over many contacts.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub recovery: S,
     /// Bound on the acceleration of the device. `None`: the bound by speed only.
     #[cfg_attr(feature = "serde", serde(default))]
     pub hand: Option<HandBound<S>>,
@@ -100,43 +116,32 @@ pub struct HandBound<S> {
     pub acceleration: S,
     /// Least mass of the device that the rendered force can find `[kg]`, greater than 0.
     pub least_mass: S,
-    /// Quantum q of the position sensor `[m]`, not below 0.
-    pub quantum: S,
-    /// Power by which the energy that may have been given out unnoticed is forgiven `[W]`, not below 0. The guarantee
-    /// of a force that changes between two samples, or of a sensor with a quantum, is the allowance plus this power
-    /// times the time. With 0 the guard is strict and loses its allowance over many contacts.
-    pub recovery: S,
 }
 
 impl<S: Scalar> HandBound<S> {
-    /// Creates the bound of a hand that exerts at most `force` `[N]` on a device of at least `least_mass` `[kg]`,
-    /// without a quantum and without recovery.
+    /// Creates the bound of a hand that exerts at most `force` `[N]` on a device of at least `least_mass` `[kg]`.
     #[must_use]
     pub fn of_force(force: S, least_mass: S) -> Self {
         Self {
             acceleration: force / least_mass,
             least_mass,
-            quantum: S::ZERO,
-            recovery: S::ZERO,
         }
     }
 
     /// Returns the allowance that renders forces up to `force` `[N]` in periods of `period` `[s]` without a limit, for
-    /// an actuator without delay `[J]`.
+    /// a sensor of this `quantum` `[m]` and an actuator without delay `[J]`.
     #[must_use]
-    pub fn allowance_for(&self, force: S, period: S) -> S {
-        let moved = self.acceleration * period * period + self.quantum;
+    pub fn allowance_for(&self, force: S, period: S, quantum: S) -> S {
+        let moved = self.acceleration * period * period + quantum;
         force * moved + force * force * period * period / self.least_mass
     }
 
-    fn faults(&self) -> [Option<ParameterError>; 4] {
+    fn faults(&self) -> [Option<ParameterError>; 2] {
         [
             Parameter::GuardAcceleration
                 .positive(self.acceleration)
                 .err(),
             Parameter::GuardMass.positive(self.least_mass).err(),
-            Parameter::GuardQuantum.not_negative(self.quantum).err(),
-            Parameter::GuardRecovery.not_negative(self.recovery).err(),
         ]
     }
 }
@@ -146,15 +151,17 @@ impl<S: Scalar> Guard<S> {
     pub(crate) fn faults(&self) -> impl Iterator<Item = ParameterError> + use<S> {
         let params = self.params();
         let hand = params.and_then(|params| params.hand);
-        let of_params = params.map_or([None; 2], |params| {
+        let of_params = params.map_or([None; 4], |params| {
             [
                 Parameter::GuardSpeed.positive(params.largest_speed).err(),
                 Parameter::GuardAllowance
                     .not_negative(params.allowance)
                     .err(),
+                Parameter::GuardQuantum.not_negative(params.quantum).err(),
+                Parameter::GuardRecovery.not_negative(params.recovery).err(),
             ]
         });
-        let of_hand = hand.map_or([None; 4], |hand| hand.faults());
+        let of_hand = hand.map_or([None; 2], |hand| hand.faults());
         of_params.into_iter().chain(of_hand).flatten()
     }
 
@@ -220,45 +227,42 @@ impl<S: Scalar> GuardMemory<S> {
 
     /// Ends an interval of `elapsed` `[s]`, in which the device `moved` `[m]` under the force `held`.
     #[inline(never)]
-    pub fn pass(&mut self, params: &GuardParams<S>, held: &Held<S>, moved: S, elapsed: S) {
-        let Some(hand) = &params.hand else {
-            return;
+    pub fn pass(
+        &mut self,
+        params: &GuardParams<S>,
+        held: &Held<S>,
+        uneven: &Uneven<S>,
+        moved: S,
+        elapsed: S,
+    ) {
+        let by_speed = params.hidden_by_speed(held.mean, uneven, moved, elapsed);
+        let by_course = match &params.hand {
+            None => by_speed,
+            Some(hand) => {
+                let now = LastStep::of(held, moved, elapsed);
+                let before = self.last.replace(now);
+                self.is_within = !before.is_some_and(|last| hand.is_exceeded(params, &last, &now));
+                if self.is_within {
+                    hand.hidden(held, uneven).min(by_speed)
+                } else {
+                    by_speed
+                }
+            }
         };
-        let half = S::HALF * held.mean * elapsed;
-        let now = LastStep {
-            elapsed,
-            velocity: moved / elapsed,
-            late: half - held.lead / elapsed,
-            early: half + held.lead / elapsed,
-        };
-        self.is_within = !self
-            .last
-            .is_some_and(|before| hand.is_exceeded(&before, &now));
-        self.last = Some(now);
-        let by_acceleration = hand.acceleration * held.course
-            + (-(held.mean * held.lead)).max(S::ZERO) / hand.least_mass;
-        let by_speed = S::from_f64(4.0) * params.largest_speed * held.course / elapsed;
-        let by_course = if self.is_within {
-            by_acceleration.min(by_speed)
-        } else {
-            by_speed
-        };
-        let by_quantum = S::HALF * hand.quantum * (held.mean - self.held).abs();
+        let by_quantum = S::HALF * params.quantum * (held.mean - self.held).abs();
         self.held = held.mean;
-        let hidden = self.hidden - hand.recovery * elapsed;
+        let hidden = self.hidden - params.recovery * elapsed;
         self.hidden = hidden.max(S::ZERO) + by_course + by_quantum;
     }
 
-    /// Ends an interval of `elapsed` `[s]` without a position at its end, in which `force` `[N]` acted.
+    /// Ends an interval without a position at its end, in which a force with these bounds acted.
     #[cold]
-    pub fn lose(&mut self, params: &GuardParams<S>, force: S, elapsed: S) {
+    pub fn lose(&mut self, params: &GuardParams<S>, uneven: &Uneven<S>) {
         self.last = None;
         self.is_within = false;
-        self.unseen += params.largest_speed * force.abs() * elapsed;
-        if let Some(hand) = &params.hand {
-            self.hidden += S::HALF * hand.quantum * (force - self.held).abs();
-            self.held = force;
-        }
+        self.unseen += params.largest_speed * uneven.size;
+        self.hidden += S::HALF * params.quantum * self.held.abs();
+        self.held = S::ZERO;
     }
 
     /// Returns the largest push and the largest pull `[N]` over one `period` `[s]`, as delivered forces.
@@ -270,18 +274,28 @@ impl<S: Scalar> GuardMemory<S> {
         pending: &Pending<S>,
         period: S,
     ) -> [S; 2] {
-        let free = balance + params.allowance - self.unseen;
-        let Some(hand) = &params.hand else {
-            return [not_negative(params.by_speed(free, pending, period)); 2];
-        };
-        let free = free - self.hidden - S::HALF * hand.quantum * self.held.abs();
-        let by_speed = params.by_speed(free, pending, period);
-        match &self.last {
-            Some(last) if self.is_within => {
+        let hidden = self.hidden + S::HALF * params.quantum * self.held.abs();
+        let free = balance + params.allowance - self.unseen - hidden;
+        let by_speed = params.force_by_speed(free, pending, period);
+        match (&params.hand, &self.last) {
+            (Some(hand), Some(last)) if self.is_within => {
                 let by_acceleration = params.by_acceleration(hand, last, free, pending, period);
                 by_acceleration.map(|bound| not_negative(bound.max(by_speed)))
             }
             _ => [not_negative(by_speed); 2],
+        }
+    }
+}
+
+impl<S: Scalar> LastStep<S> {
+    /// Creates the step of a device that `moved` `[m]` in `elapsed` `[s]` under the force `held`.
+    fn of(held: &Held<S>, moved: S, elapsed: S) -> Self {
+        let half = S::HALF * held.mean * elapsed;
+        Self {
+            elapsed,
+            velocity: moved / elapsed,
+            late: half - held.lead / elapsed,
+            early: half + held.lead / elapsed,
         }
     }
 }
@@ -292,8 +306,29 @@ fn not_negative<S: Scalar>(bound: S) -> S {
 }
 
 impl<S: Scalar> GuardParams<S> {
+    /// Creates the bound by the largest speed `[m/s]` with an allowance `[J]`, for a sensor without a quantum, strict.
+    #[must_use]
+    pub const fn by_speed(largest_speed: S, allowance: S) -> Self {
+        Self {
+            largest_speed,
+            allowance,
+            quantum: S::ZERO,
+            recovery: S::ZERO,
+            hand: None,
+        }
+    }
+
+    /// Returns the largest energy that a force with this `mean` `[N]` and these bounds gave out beyond its port work
+    /// `[J]`, while the device `moved` `[m]` in `elapsed` `[s]`.
+    fn hidden_by_speed(&self, mean: S, uneven: &Uneven<S>, moved: S, elapsed: S) -> S {
+        let by_course = S::from_f64(4.0) * self.largest_speed * uneven.course / elapsed;
+        let size = uneven.size.max(mean.abs() * elapsed);
+        let most = self.largest_speed * size + mean * moved + mean.abs() * self.quantum;
+        by_course.min(most.max(S::ZERO))
+    }
+
     /// Returns the largest force by the largest speed of the device, from a `free` energy `[J]`.
-    fn by_speed(&self, free: S, pending: &Pending<S>, period: S) -> S {
+    fn force_by_speed(&self, free: S, pending: &Pending<S>, period: S) -> S {
         let claims = pending.push.impulse + pending.pull.impulse;
         (free / self.largest_speed - claims) / period
     }
@@ -308,8 +343,8 @@ impl<S: Scalar> GuardParams<S> {
         period: S,
     ) -> [S; 2] {
         let [push, pull] = [
-            hand.against(last.velocity, last.late, last.elapsed),
-            hand.against(-last.velocity, -last.late, last.elapsed),
+            hand.against(last.velocity, last.late, last.elapsed, self.quantum),
+            hand.against(-last.velocity, -last.late, last.elapsed, self.quantum),
         ];
         let [push_claim, pull_claim] = [
             hand.claim(push, &pending.push),
@@ -338,11 +373,22 @@ impl<S: Scalar> GuardParams<S> {
 }
 
 impl<S: Scalar> HandBound<S> {
+    /// Returns the largest energy that a `held` force with these bounds gave out beyond its port work `[J]`.
+    fn hidden(&self, held: &Held<S>, uneven: &Uneven<S>) -> S {
+        self.acceleration * uneven.course
+            + (-(held.mean * held.lead)).max(S::ZERO) / self.least_mass
+    }
+
     /// Returns whether two intervals show an acceleration beyond the bound, for any mass from the least one up.
-    fn is_exceeded(&self, before: &LastStep<S>, now: &LastStep<S>) -> bool {
+    fn is_exceeded(
+        &self,
+        params: &GuardParams<S>,
+        before: &LastStep<S>,
+        now: &LastStep<S>,
+    ) -> bool {
         let most = S::HALF * self.acceleration * (before.elapsed + now.elapsed)
-            + self.quantum / before.elapsed
-            + self.quantum / now.elapsed;
+            + params.quantum / before.elapsed
+            + params.quantum / now.elapsed;
         // Rounding of positions and times.
         let most = most * S::from_f64(1.0 + 1e-9) + S::from_f64(1e-12);
         let gained = now.velocity - before.velocity;
@@ -352,8 +398,8 @@ impl<S: Scalar> HandBound<S> {
 
     /// Returns the largest velocity against a force now `[m/s]`: b, from the mean velocity with the force and the
     /// weighted impulse `late` of the last interval.
-    fn against(&self, velocity: S, late: S, elapsed: S) -> S {
-        self.quantum / elapsed + S::HALF * self.acceleration * elapsed - velocity
+    fn against(&self, velocity: S, late: S, elapsed: S, quantum: S) -> S {
+        quantum / elapsed + S::HALF * self.acceleration * elapsed - velocity
             + late.max(S::ZERO) / self.least_mass
     }
 
@@ -366,12 +412,11 @@ impl<S: Scalar> HandBound<S> {
     }
 
     /// Returns the largest own force `[N]` that gives out at most `room` `[J]` in addition to an earlier `impulse` of
-    /// its sign, with the energy that its begin and its end can hide.
+    /// its sign.
     fn largest_force(&self, against: S, impulse: S, room: S, pending: &Pending<S>, period: S) -> S {
-        let square = (S::HALF * period * period + pending.own_course) / self.least_mass;
+        let square = S::HALF * period * period / self.least_mass;
         let speed = against + self.acceleration * pending.own_at + impulse / self.least_mass;
-        let linear =
-            period * speed + self.quantum + S::TWO * self.acceleration * pending.own_course;
+        let linear = period * speed;
         let root = (linear * linear + S::from_f64(4.0) * square * room).sqrt();
         if linear > S::ZERO {
             S::TWO * room / (linear + root)

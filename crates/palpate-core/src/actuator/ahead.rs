@@ -50,7 +50,6 @@ impl<'a, S: Scalar> Ahead<'a, S> {
             push: Impulse::default(),
             pull: Impulse::default(),
             own_at: actuator.delay + S::HALF * period + actuator.lag,
-            own_course: actuator.course_of_step(period),
             overlaps: actuator.lag > S::ZERO,
         };
         // A first-order lag delays the centroid of an impulse by its time constant.
@@ -164,8 +163,6 @@ pub(crate) struct Pending<S> {
     pub pull: Impulse<S>,
     /// Centroid of the impulse of the sample's own command, after the sample `[s]`.
     pub own_at: S,
-    /// Largest [`Held::course`] by the begin of a command of 1 N `[s^2]`.
-    pub own_course: S,
     /// Whether earlier forces still act when the own command begins: the actuator has a lag.
     pub overlaps: bool,
 }

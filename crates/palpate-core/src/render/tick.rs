@@ -1,8 +1,9 @@
 //! One tick: the interval that the sample ends is concluded, the next one begins, and its force is planned and limited.
 
 use crate::Scalar;
-use crate::actuator::{Actuator, Ahead, Command, Held, Piece};
+use crate::actuator::{Actuator, Ahead, Command, Held, Piece, Uneven};
 use crate::energy::Closing;
+use crate::guard::Guard;
 use crate::motion::{ObjectState, Rule, Start};
 use crate::sample::{Fault, Limited, Output, Phase, Sample};
 
@@ -19,6 +20,8 @@ struct Passed<S> {
     recorded: Held<S>,
     /// Force by the estimated actuation.
     passed: Piece<S>,
+    /// Bounds on the recorded force; 0 without a guard.
+    uneven: Uneven<S>,
 }
 
 /// A concluded interval.
@@ -48,6 +51,10 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     ) -> Output<S> {
         let elapsed = self.elapsed(&sample);
         let h = elapsed.map_or(self.motion.period(), |(elapsed, _)| elapsed);
+        let uneven = match self.loop_params.guard {
+            Guard::Off => Uneven::default(),
+            Guard::Report(_) | Guard::Limit(_) => state.under_way.uneven(&self.actuator, h),
+        };
         // The ledger uses the actuation model, the method its estimate.
         let passed = match self.learned_actuator(&state.memory) {
             None => {
@@ -55,17 +62,22 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 Passed {
                     recorded: passed.held,
                     passed,
+                    uneven,
                 }
             }
             Some(learned) => {
                 let (recorded, passed) = state.under_way.pass_learned(&self.actuator, &learned, h);
-                Passed { recorded, passed }
+                Passed {
+                    recorded,
+                    passed,
+                    uneven,
+                }
             }
         };
         match self.try_step(state, &sample, elapsed, &passed, adds) {
             Ok(output) => output,
             Err(fault) => {
-                self.lose_interval(state, passed.recorded.mean, h);
+                self.lose_interval(state, &passed.uneven);
                 self.wait(state, &sample, fault)
             }
         }
@@ -136,7 +148,11 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         state: &mut State<S, M::Memory>,
         device: S,
         (elapsed, nominal): (S, bool),
-        Passed { recorded, passed }: &Passed<S>,
+        Passed {
+            recorded,
+            passed,
+            uneven,
+        }: &Passed<S>,
     ) -> Result<Concluded<S>, Fault> {
         let mut object = state.object;
         let mut device_velocity = S::ZERO;
@@ -147,7 +163,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 if !traces.lead_to(device, elapsed, self.speed_limit) {
                     return Err(Fault::JumpTooFast);
                 }
-                self.lose_interval(state, recorded.mean, elapsed);
+                self.lose_interval(state, uneven);
             }
             DeviceTrack::Tracked(interval) => {
                 let device_moved = device - interval.device;
@@ -207,7 +223,9 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                     return Err(Fault::Overflow);
                 }
                 if let Some(params) = self.loop_params.guard.params() {
-                    state.guard.pass(params, &recorded, device_moved, elapsed);
+                    state
+                        .guard
+                        .pass(params, &recorded, uneven, device_moved, elapsed);
                 }
                 previous_penetration = Some(interval.start.penetration);
             }
@@ -397,11 +415,11 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         Some(bounds.map(|bound| bound / self.actuator.gain()))
     }
 
-    /// Charges the guard for an interval of `h` `[s]` without a position at both ends, in which `force` `[N]` acted.
+    /// Charges the guard for an interval without a position at both ends, in which a force with these bounds acted.
     #[inline]
-    fn lose_interval(&self, state: &mut State<S, M::Memory>, force: S, h: S) {
+    fn lose_interval(&self, state: &mut State<S, M::Memory>, uneven: &Uneven<S>) {
         if let Some(params) = self.loop_params.guard.params() {
-            state.guard.lose(params, force, h);
+            state.guard.lose(params, uneven);
         }
     }
 

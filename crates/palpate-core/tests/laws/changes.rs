@@ -87,11 +87,7 @@ fn a_contact_that_is_to_push_only_pulls_in_no_tick_of_a_change() {
 /// The bound of `guard.rs` in the core, by the ledger at the sample.
 #[test]
 fn the_guard_holds_in_every_tick_of_a_change() {
-    let guard = GuardParams {
-        largest_speed: 1.0,
-        allowance: 1e-4,
-        hand: None,
-    };
+    let guard = GuardParams::by_speed(1.0, 1e-4);
     // The device strikes, and a damper without a guard responds with 84 N.
     const CHANGE: i32 = 3;
     for (name, method) in methods() {

@@ -9,11 +9,7 @@ use crate::common::{Random, methods};
 
 const ALLOWANCE: f64 = 1e-3;
 const SPEED: f64 = 1.0;
-const GUARD: GuardParams<f64> = GuardParams {
-    largest_speed: SPEED,
-    allowance: ALLOWANCE,
-    hand: None,
-};
+const GUARD: GuardParams<f64> = GuardParams::by_speed(SPEED, ALLOWANCE);
 const WEIGHT: f64 = -0.5;
 /// Number of moves of an attack.
 const LENGTH: usize = 60;
@@ -132,23 +128,29 @@ impl Target {
     }
 }
 
-/// An actuator, and device steps as fractions of the largest step.
+/// Speeds of the device per period.
+const PARTS: usize = 4;
+
+/// A loop, and device speeds as fractions of the largest one.
 #[derive(Clone, Copy)]
 struct Attack {
     actuation: Actuation<f64>,
-    moves: Moves,
+    quantum: f64,
+    /// Place of the quanta, as a fraction of one.
+    phase: f64,
+    moves: [f64; LENGTH * PARTS],
 }
 
 impl Attack {
-    /// Returns the largest energy that it extracts beyond the available energy, at any time `[J]`. Computed
-    /// independently: the commands pass through delay, lag and gain, and the device keeps its speed from sample to
-    /// sample.
+    /// Returns the largest energy that it extracts beyond the available energy and a `credit` `[W]`, at any time `[J]`.
+    /// Computed independently: the commands pass through delay, lag and gain, and the device moves at will within its
+    /// largest speed.
     fn takes(
         &self,
         method: AnyParams<f64>,
         contact: Contact<f64>,
         period: f64,
-        mirrored: bool,
+        (mirrored, recovery, credit): (bool, f64, f64),
     ) -> f64 {
         let (side, sign) = if mirrored {
             (Side::Negative, -1.0)
@@ -158,7 +160,12 @@ impl Attack {
         let contact = Contact { side, ..contact };
         let l = LoopParams {
             actuation: self.actuation,
-            guard: Guard::Limit(GUARD),
+            guard: Guard::Limit(GuardParams {
+                quantum: self.quantum,
+                recovery,
+                ..GUARD
+            }),
+            speed_limit: None,
             ..LoopParams::new(period)
         };
         let renderer = Renderer::new(contact, l, method).unwrap();
@@ -171,48 +178,58 @@ impl Attack {
         let (mut device, mut felt, mut aim, mut begun) = (0.0, 0.0, 0.0, 0);
         let (mut given_out, mut worst) = (0.0, f64::NEG_INFINITY);
         for i in 0..LENGTH {
-            let output = renderer.step(&mut state, Sample::at(sign * device));
+            let seen = if self.quantum > 0.0 {
+                (device / self.quantum + self.phase).round() * self.quantum
+            } else {
+                device
+            };
+            let output = renderer.step(&mut state, Sample::at(sign * seen));
             assert_eq!(output.fault, None);
             commands[i] = gain * sign * output.force_on_object;
-            let speed = self.moves[i] * SPEED;
-            let (mut now, end) = (i as f64 * period, (i + 1) as f64 * period);
-            while now < end {
-                let begins = |k: usize| k as f64 * period + delay;
-                while begun <= i && begins(begun) <= now + 1e-9 * period {
-                    aim = commands[begun];
-                    begun += 1;
+            for part in 0..PARTS {
+                let at = |n: usize| (i as f64 + n as f64 / PARTS as f64) * period;
+                let (mut now, end) = (at(part), at(part + 1));
+                let speed = self.moves[i * PARTS + part] * SPEED;
+                while now < end - 1e-9 * period {
+                    let begins = |k: usize| k as f64 * period + delay;
+                    while begun <= i && begins(begun) <= now + 1e-9 * period {
+                        aim = commands[begun];
+                        begun += 1;
+                    }
+                    let next = if begun <= i {
+                        begins(begun)
+                    } else {
+                        f64::INFINITY
+                    };
+                    let until = if next < end - 1e-9 * period {
+                        next
+                    } else {
+                        end
+                    };
+                    let h = until - now;
+                    if lag > 0.0 {
+                        let left = (-h / lag).exp();
+                        given_out -= (aim * h + (felt - aim) * lag * (1.0 - left)) * speed;
+                        felt = aim + (felt - aim) * left;
+                    } else {
+                        felt = aim;
+                        given_out -= aim * h * speed;
+                    }
+                    device += speed * h;
+                    now = until;
+                    if felt != 0.0 {
+                        worst = worst.max(given_out - credit * now);
+                    }
                 }
-                let next = if begun <= i {
-                    begins(begun)
-                } else {
-                    f64::INFINITY
-                };
-                let until = if next < end - 1e-9 * period {
-                    next
-                } else {
-                    end
-                };
-                let h = until - now;
-                if lag > 0.0 {
-                    let left = (-h / lag).exp();
-                    given_out -= (aim * h + (felt - aim) * lag * (1.0 - left)) * speed;
-                    felt = aim + (felt - aim) * left;
-                } else {
-                    felt = aim;
-                    given_out -= aim * h * speed;
-                }
-                worst = worst.max(given_out);
-                now = until;
             }
-            device += speed * period;
         }
         worst
     }
 
     /// Creates alternating or random moves through an actuator of one kind.
     fn begun(random: &mut Random, attempt: usize, period: f64) -> Self {
-        let turn = 1 + attempt % 20;
-        let mut moves = [0.0; LENGTH];
+        let turn = [1 + attempt % 20, 1 + attempt % 5][attempt % 2] * [PARTS, 2][attempt / 2 % 2];
+        let mut moves = [0.0; LENGTH * PARTS];
         for (i, step) in moves.iter_mut().enumerate() {
             let alternates = if (i / turn).is_multiple_of(2) {
                 1.0
@@ -225,13 +242,15 @@ impl Attack {
                 alternates
             };
         }
-        let delay = [0.0, 1.0, 0.4, random.between(0.0, 8.0)][attempt % 4];
-        let lag = [1.0, 0.0, 5.0, random.between(0.0, 15.0)][attempt / 4 % 4];
+        let delay = [0.0, 1.0, 0.5, random.between(0.0, 8.0)][attempt % 4];
+        let lag = [0.0, 1.0, 5.0, random.between(0.0, 15.0)][attempt / 4 % 4];
         let gain = [1.0, random.between(0.3, 3.0)][attempt % 2];
         Self {
             actuation: Actuation::after(delay * period)
                 .with_lag(lag * period)
                 .with_gain(gain),
+            quantum: [0.0, 0.0, 1e-5, 1e-4][attempt / 3 % 4],
+            phase: random.between(0.0, 1.0),
             moves,
         }
     }
@@ -240,7 +259,7 @@ impl Attack {
         let Actuation {
             delay, lag, gain, ..
         } = &mut self.actuation;
-        match below(random, 8) {
+        match below(random, 10) {
             0 => *delay = (*delay + random.between(-1.0, 1.0) * period).clamp(0.0, 8.0 * period),
             1 => *delay = (*delay / period).round() * period,
             2 => {
@@ -248,8 +267,9 @@ impl Attack {
                     (*lag * random.between(0.5, 2.0) + random.between(-0.2, 0.2) * period).max(0.0)
             }
             3 => *gain = (*gain * random.between(0.7, 1.5)).clamp(0.1, 10.0),
+            4 => self.phase = random.between(0.0, 1.0),
             _ => {
-                let (from, many) = (below(random, LENGTH), 1 + below(random, 8));
+                let (from, many) = (below(random, LENGTH * PARTS), 1 + below(random, 8 * PARTS));
                 let to = [-1.0, 0.0, 1.0, random.between(-1.0, 1.0)][below(random, 4)];
                 for step in self.moves.iter_mut().skip(from).take(many) {
                     *step = to;
@@ -258,37 +278,85 @@ impl Attack {
         }
         self
     }
+
+    /// Returns the best of attacks that are improved in `tries` steps, and what it takes `[J]`.
+    fn improved(
+        self,
+        random: &mut Random,
+        period: f64,
+        tries: usize,
+        takes: impl Fn(&Self) -> f64,
+    ) -> (Self, f64) {
+        let (mut attack, mut taken) = (self, takes(&self));
+        for _ in 0..tries {
+            let other = attack.changed(random, period);
+            let by_other = takes(&other);
+            if by_other >= taken {
+                (attack, taken) = (other, by_other);
+            }
+        }
+        (attack, taken)
+    }
+}
+
+/// Number of attacks on each method: 24 times `PALPATE_ATTACKS`, which is 1 unless set for a campaign.
+fn attacks() -> usize {
+    24 * std::env::var("PALPATE_ATTACKS").map_or(1, |count| count.parse::<usize>().unwrap())
 }
 
 #[test]
 fn no_actuator_gives_out_more_than_there_is_and_the_allowance() {
     let mut random = Random(3);
+    let mut over = Vec::new();
     for (name, method) in methods() {
         let mut most = f64::NEG_INFINITY;
-        for attempt in 0..24 {
+        for attempt in 0..attacks() {
             let period = [0.001, 0.004, 0.02][attempt % 3];
             let contact = contacts(period)[attempt / 3 % 3];
-            let mirrored = attempt % 5 == 4;
-            let takes = |attack: &Attack| attack.takes(method, contact, period, mirrored);
-            let mut attack = Attack::begun(&mut random, attempt, period);
-            let mut taken = takes(&attack);
-            for _ in 0..100 {
-                let other = attack.changed(&mut random, period);
-                let by_other = takes(&other);
-                if by_other >= taken {
-                    (attack, taken) = (other, by_other);
-                }
+            let recovery = [0.0, 0.01][attempt / 2 % 2];
+            let how = (attempt % 5 == 4, recovery, recovery);
+            let takes = |attack: &Attack| attack.takes(method, contact, period, how);
+            let attack = Attack::begun(&mut random, attempt, period);
+            let (attack, taken) = attack.improved(&mut random, period, 100, takes);
+            if taken > ALLOWANCE * (1.0 + 1e-9) {
+                over.push(format!(
+                    "{name}, {contact:?} at {period} s through {:?}, quantum {}: {taken} J",
+                    attack.actuation, attack.quantum
+                ));
             }
-            assert!(
-                taken <= ALLOWANCE * (1.0 + 1e-9),
-                "{name}, {contact:?} at {period} s through {:?}: {taken} J",
-                attack.actuation
-            );
             most = most.max(taken);
         }
         // The bound is reached, so the guard is not too strict.
         println!("{name}: {most} J");
         assert!(most > 0.5 * ALLOWANCE, "{name}: {most} J");
+    }
+    assert!(over.is_empty(), "{} over:\n{}", over.len(), over.join("\n"));
+}
+
+/// An endless recovery forgives all hidden energy except that of the last interval.
+#[test]
+fn hidden_energy_exceeds_the_allowance_if_it_is_forgiven_at_once() {
+    let mut random = Random(7);
+    let (period, contact) = (0.005, Contact::wall(1e5));
+    for (delay, quantum) in [(0.5, 0.0), (1.3, 0.0), (0.0, 1e-4)] {
+        let attack = Attack {
+            actuation: Actuation::after(delay * period),
+            quantum,
+            ..Attack::begun(&mut random, 2, period)
+        };
+        let [strict, forgiven] = [0.0, 1e9].map(|recovery| {
+            let takes = |other: &Attack| {
+                let same = Attack {
+                    actuation: attack.actuation,
+                    ..*other
+                };
+                same.takes(AnyParams::Basic, contact, period, (false, recovery, 0.0))
+            };
+            attack.improved(&mut random, period, 2000, takes).1
+        });
+        println!("{delay} periods, {quantum} m: {strict:.5} J, forgiven {forgiven:.5} J");
+        assert!(strict <= ALLOWANCE * (1.0 + 1e-9), "{strict} J");
+        assert!(forgiven > 2.0 * ALLOWANCE, "{forgiven} J");
     }
 }
 
@@ -363,16 +431,18 @@ fn what_coupled_rendering_predicts_cannot_be_turned_against_it() {
 
 #[test]
 fn a_guard_without_meaning_is_refused() {
-    for (largest_speed, allowance, what) in [
-        (0.0, 1e-3, Parameter::GuardSpeed),
-        (f64::NAN, 1e-3, Parameter::GuardSpeed),
-        (1.0, -1e-9, Parameter::GuardAllowance),
-        (1.0, f64::INFINITY, Parameter::GuardAllowance),
+    for (largest_speed, allowance, [quantum, recovery], what) in [
+        (0.0, 1e-3, [0.0; 2], Parameter::GuardSpeed),
+        (f64::NAN, 1e-3, [0.0; 2], Parameter::GuardSpeed),
+        (1.0, -1e-9, [0.0; 2], Parameter::GuardAllowance),
+        (1.0, f64::INFINITY, [0.0; 2], Parameter::GuardAllowance),
+        (1.0, 1e-3, [-1e-6, 0.0], Parameter::GuardQuantum),
+        (1.0, 1e-3, [0.0, f64::NAN], Parameter::GuardRecovery),
     ] {
         let guard = Guard::Limit(GuardParams {
-            largest_speed,
-            allowance,
-            hand: None,
+            quantum,
+            recovery,
+            ..GuardParams::by_speed(largest_speed, allowance)
         });
         let l = LoopParams {
             guard,

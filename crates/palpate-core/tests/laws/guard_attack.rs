@@ -112,11 +112,11 @@ impl Target {
         let guard = Guard::Limit(GuardParams {
             largest_speed: SPEED,
             allowance: ALLOWANCE,
+            quantum,
+            recovery,
             hand: Some(HandBound {
                 acceleration: ACCELERATION,
                 least_mass: LEAST_MASS,
-                quantum,
-                recovery,
             }),
         });
         let loop_params = LoopParams {
@@ -154,7 +154,7 @@ impl Target {
         let (mut aim, mut available, mut put_in) = (0.0, 0.0f64, 0.0);
         let (mut worst, mut object, mut beyond) = (f64::NEG_INFINITY, attack.gap, 0);
         let recovery = match self.renderer.loop_params().guard {
-            Guard::Limit(params) => params.hand.unwrap().recovery,
+            Guard::Limit(params) => params.recovery,
             _ => 0.0,
         };
         for i in 0..LENGTH {
@@ -370,11 +370,11 @@ fn limits(allowance: f64, quantum: f64) -> Guard<f64> {
     Guard::Limit(GuardParams {
         largest_speed: SPEED,
         allowance,
+        quantum,
+        recovery: if quantum > 0.0 { 0.02 } else { 0.0 },
         hand: Some(HandBound {
             acceleration: ACCELERATION,
             least_mass: LEAST_MASS,
-            quantum,
-            recovery: if quantum > 0.0 { 0.02 } else { 0.0 },
         }),
     })
 }
@@ -476,11 +476,7 @@ fn pressed_wall_hardly_sinks_under_guard() {
 #[test]
 fn lost_sample_gives_no_energy_for_free() {
     // The device enters the wall, and leaves it during a lost sample.
-    let guard = Guard::Limit(GuardParams {
-        largest_speed: SPEED,
-        allowance: ALLOWANCE,
-        hand: None,
-    });
+    let guard = Guard::Limit(GuardParams::by_speed(SPEED, ALLOWANCE));
     let loop_params = LoopParams {
         guard,
         ..LoopParams::new(1e-3)

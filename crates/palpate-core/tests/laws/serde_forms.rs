@@ -49,11 +49,11 @@ fn every_parameter_type_comes_back_from_json_and_toml() {
         guard: Guard::Limit(GuardParams {
             largest_speed: 1.0,
             allowance: 1e-3,
+            quantum: 1e-5,
+            recovery: 0.01,
             hand: Some(HandBound {
                 acceleration: 80.0,
                 least_mass: 0.1,
-                quantum: 1e-5,
-                recovery: 0.01,
             }),
         }),
     });

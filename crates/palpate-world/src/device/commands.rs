@@ -59,7 +59,6 @@ const NOTHING: Piece<f64> = Piece {
     held: Held {
         mean: 0.0,
         lead: 0.0,
-        course: 0.0,
         step: 0.0,
         step_moment: 0.0,
         impulse_deviation: 0.0,
