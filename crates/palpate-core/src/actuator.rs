@@ -2,8 +2,7 @@
 
 mod ahead;
 
-pub use ahead::{Ahead, Governed};
-pub(crate) use ahead::{Impulse, Pending};
+pub use ahead::{Ahead, Governed, Impulse, Pending};
 
 use crate::Scalar;
 use crate::actuation::{Actuation, LARGEST_DELAY, WHOLE_WITHIN};

@@ -64,7 +64,9 @@ mod scalar;
 mod transition;
 
 pub use actuation::{Actuation, LARGEST_DELAY, Transmission};
-pub use actuator::{Actuator, Ahead, Command, Governed, Held, Piece, UnderWay, Uneven};
+pub use actuator::{
+    Actuator, Ahead, Command, Governed, Held, Impulse, Pending, Piece, UnderWay, Uneven,
+};
 pub use along_axis::AlongAxis;
 pub use contact::{Contact, LoopParams, Mass, Side};
 pub use difficulty::Difficulty;

@@ -493,12 +493,7 @@ mod tests {
     /// change.
     #[test]
     fn the_limits_and_the_guard_of_a_world_hold_in_every_tick_of_a_change() {
-        let params = WorldGuardParams {
-            largest_speed: 1.0,
-            largest_turning: 1.0,
-            allowance: 1e-3,
-            late: 0,
-        };
+        let params = WorldGuardParams::by_speed(1.0, 1.0, 1e-3);
         // The guard also allows 1 N: one millijoule within a millisecond at 1 m/s.
         for guard in [WorldGuard::Off, WorldGuard::Limit(params)] {
             let plain = world(unbounded()).renderer().world().clone();

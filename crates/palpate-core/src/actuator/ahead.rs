@@ -44,7 +44,7 @@ impl<'a, S: Scalar> Ahead<'a, S> {
 
     /// Returns the impulses that earlier commands still give, and the place of this sample's command after them.
     #[must_use]
-    pub(crate) fn pending(&self, period: S) -> Pending<S> {
+    pub fn pending(&self, period: S) -> Pending<S> {
         let actuator = self.actuator;
         let mut pending = Pending {
             push: Impulse::default(),
@@ -149,14 +149,16 @@ impl<S: Scalar> Governed<S> {
 
 /// Impulse of forces of one sign `[N s]`, and its first moment about the sample `[N s^2]`; both as magnitudes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Impulse<S> {
+pub struct Impulse<S> {
+    /// Impulse `[N s]`.
     pub impulse: S,
+    /// First moment `[N s^2]`.
     pub moment: S,
 }
 
 /// Impulses of the commands before that of a sample.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pending<S> {
+pub struct Pending<S> {
     /// Impulse of the forces into the object.
     pub push: Impulse<S>,
     /// Impulse of the forces out of it.

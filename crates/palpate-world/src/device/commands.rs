@@ -1,7 +1,7 @@
 //! Forces or torques in the actuation delay of the devices.
 
 use palpate_core::{
-    Actuation, Actuator, Ahead, Command, Governed, Held, LARGEST_DELAY, Piece, UnderWay,
+    Actuation, Actuator, Ahead, Command, Governed, Held, LARGEST_DELAY, Piece, UnderWay, Uneven,
 };
 
 use crate::Vector;
@@ -33,6 +33,21 @@ impl Acting {
             impulse_deviation: of(|piece| piece.held.impulse_deviation),
         }
     }
+}
+
+/// Impulses that earlier commands still give a tool.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct OnWay {
+    /// Impulse in the direction of each axis `[N s]`.
+    pub push: Vector3,
+    /// Impulse against the direction of each axis, as a magnitude `[N s]`.
+    pub pull: Vector3,
+    /// Sum of the first moments about the sample, as magnitudes `[N s^2]`.
+    pub moment: f64,
+    /// Centroid of the impulse of the sample's own command, after the sample `[s]`.
+    pub own_at: f64,
+    /// Whether earlier forces still act when the own command begins.
+    pub overlaps: bool,
 }
 
 /// Pending forces of each tool, along each axis.
@@ -99,8 +114,13 @@ impl Commands {
 
     /// Returns the mean sent force on a tool over the last interval, or zero if the tool is not tracked.
     pub fn passed_or_none(&self, tool: usize) -> Vector3 {
+        self.acting_or_none(tool).sent
+    }
+
+    /// Returns the action on a tool over the last interval, or none if the tool is not tracked.
+    pub fn acting_or_none(&self, tool: usize) -> Acting {
         let tool = self.tools.get(tool);
-        tool.map_or(Vector3::zeros(), |tool| Acting::new(&tool.passed).sent)
+        Acting::new(tool.map_or(&[NOTHING; 3], |tool| &tool.passed))
     }
 
     /// Returns the fraction of the intended force that acted on a tool over the last interval, 0 to 1; less than 1
@@ -180,12 +200,36 @@ impl Commands {
             .any(|axis| Ahead::new(&self.actuator, axis).is_awaited())
     }
 
-    /// Returns a bound on the impulse that earlier commands can still give a tool, for any later command `[N s]`.
-    /// Zero if the tool is not tracked.
-    pub fn impulse_to_come(&self, tool: usize) -> f64 {
-        let of_axis = |axis: &UnderWay<f64>| Ahead::new(&self.actuator, axis).impulse_to_come();
-        let tool = self.tools.get(tool);
-        tool.map_or(0.0, |tool| tool.under_way.iter().map(of_axis).sum())
+    /// Returns the sums over all axes of the bounds on the force on a tool in an interval of `h` `[s]` that is about to
+    /// [`pass`](Self::pass). 0 if the tool is not tracked.
+    pub fn uneven(&self, tool: usize, h: f64) -> Uneven<f64> {
+        let mut sum = Uneven::default();
+        for axis in self.tools.get(tool).iter().flat_map(|tool| &tool.under_way) {
+            let Uneven { course, size } = axis.uneven(&self.actuator, h);
+            sum.course += course;
+            sum.size += size;
+        }
+        sum
+    }
+
+    /// Returns the impulses that earlier commands still give a tool, in addition to a command over `period` `[s]`. 0 if
+    /// the tool is not tracked.
+    pub fn ahead(&self, tool: usize, period: f64) -> OnWay {
+        let mut on_way = OnWay::default();
+        for (axis, under_way) in self
+            .tools
+            .get(tool)
+            .iter()
+            .flat_map(|tool| tool.under_way.iter().enumerate())
+        {
+            let pending = Ahead::new(&self.actuator, under_way).pending(period);
+            on_way.push[axis] = pending.push.impulse;
+            on_way.pull[axis] = pending.pull.impulse;
+            on_way.moment += pending.push.moment + pending.pull.moment;
+            on_way.own_at = pending.own_at;
+            on_way.overlaps = pending.overlaps;
+        }
+        on_way
     }
 
     /// Returns the ratio of delivered to commanded force.

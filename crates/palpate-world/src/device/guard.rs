@@ -14,16 +14,29 @@
 //! the hands never exceeds the available energy plus the allowance. Damping and friction are included as known at the
 //! sample.
 //!
+//! The port work is that of the mean force over the measured displacement. A quantum of the sensors, and a force that
+//! changes between two samples, can hide work from it. The largest hidden energy is deducted, and decreases by
+//! [`WorldGuardParams::recovery`], as in the guard of one contact ([`palpate_core::GuardParams`]).
+//!
+//! With a [`WorldHandBound`] the last step of each device limits its next one. The largest common factor by the speeds
+//! or by the accelerations is used.
+//!
 //! A force may act later than the loop's actuation model. With `late` samples, the work at the ports is computed for
 //! each whole number of samples of additional delay up to `late`, and the largest value is used.
 
-use palpate_core::Range;
+mod hand;
+
+use palpate_core::{Range, Uneven};
+
+use hand::{Price, ToolMotion};
 
 use crate::device::commands::Commands;
 use crate::dynamics::ledger::EnergyLedger;
 use crate::error::out_of_range;
 use crate::geometry::rigid::Vector3;
-use crate::{Vector, WorldError, WorldField, WorldPart};
+use crate::{WorldError, WorldField, WorldPart};
+
+pub use hand::WorldHandBound;
 
 /// Bound on the delivered energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,8 +60,68 @@ pub struct WorldGuardParams {
     /// Energy that may be delivered in excess of the balance `[J]`, at least 0. With 0, a contact that has not yet
     /// stored energy could not begin to push.
     pub allowance: f64,
-    /// Additional delay of the forces over the loop's actuation model, in samples, at most [`MAX_LATE`].
+    /// Additional delay of the forces over the loop's actuation model, in samples, at most [`MAX_LATE`]; 0 with a
+    /// bound on the acceleration.
     pub late: usize,
+    /// Largest quantum of the position along an axis of any device `[m]`, at least 0.
+    pub quantum: f64,
+    /// Largest quantum of the rotation about an axis of any device `[rad]`, at least 0.
+    pub angle_quantum: f64,
+    /// Power by which the energy that may have been given out unnoticed is forgiven `[W]`, at least 0. The guarantee of
+    /// a force that changes between two samples, or of a sensor with a quantum, is the allowance plus this power times
+    /// the time.
+    pub recovery: f64,
+    /// Bound on the acceleration of the devices. `None`: the bound by speed only.
+    pub hand: Option<WorldHandBound>,
+}
+
+impl WorldGuardParams {
+    /// Creates the bound by the largest speed `[m/s]` and angular speed `[rad/s]` with an allowance `[J]`, for sensors
+    /// without a quantum, strict.
+    #[must_use]
+    pub const fn by_speed(largest_speed: f64, largest_turning: f64, allowance: f64) -> Self {
+        Self {
+            largest_speed,
+            largest_turning,
+            allowance,
+            late: 0,
+            quantum: 0.0,
+            angle_quantum: 0.0,
+            recovery: 0.0,
+            hand: None,
+        }
+    }
+
+    /// Returns the energy that the quanta hide at a change of force and torque `[J]`.
+    fn in_quanta(&self, [force, torque]: &Both) -> f64 {
+        0.5 * (self.quantum * force.lp_norm(1) + self.angle_quantum * torque.lp_norm(1))
+    }
+
+    /// Returns the largest energy that a force and a torque with these means and bounds gave out beyond their port work
+    /// `[J]`, while the device `moved` in `elapsed` `[s]`.
+    fn hidden_by_speed(
+        &self,
+        held: &Both,
+        [force, torque]: &[Uneven<f64>; 2],
+        moved: &Both,
+        elapsed: f64,
+    ) -> f64 {
+        let power = self.largest_speed * force.course + self.largest_turning * torque.course;
+        let by_course = 4.0 * power / elapsed;
+        if self.late > 0 {
+            // The force acts over a later motion.
+            return by_course;
+        }
+        let size = [
+            force.size.max(held[0].norm() * elapsed),
+            torque.size.max(held[1].norm() * elapsed),
+        ];
+        let most = self.largest_speed * size[0] + self.largest_turning * size[1]
+            - held[0].dot(&moved[0])
+            - held[1].dot(&moved[1])
+            + 2.0 * self.in_quanta(held);
+        by_course.min(most.max(0.0))
+    }
 }
 
 /// Maximum unmodelled delay of a guard, in samples.
@@ -76,18 +149,47 @@ impl WorldGuard {
         let mut fault = |field, message: String| {
             faults.push(WorldError::new(WorldPart::Loop, field, "the loop", message));
         };
-        let above_zero = [
-            (WorldField::GuardLargestSpeed, params.largest_speed),
-            (WorldField::GuardLargestTurning, params.largest_turning),
+        let own = [
+            (
+                WorldField::GuardLargestSpeed,
+                params.largest_speed,
+                Range::Positive,
+            ),
+            (
+                WorldField::GuardLargestTurning,
+                params.largest_turning,
+                Range::Positive,
+            ),
+            (
+                WorldField::GuardAllowance,
+                params.allowance,
+                Range::NotNegative,
+            ),
+            (WorldField::GuardQuantum, params.quantum, Range::NotNegative),
+            (
+                WorldField::GuardAngleQuantum,
+                params.angle_quantum,
+                Range::NotNegative,
+            ),
+            (
+                WorldField::GuardRecovery,
+                params.recovery,
+                Range::NotNegative,
+            ),
         ];
-        for (field, value) in above_zero {
-            if let Some(message) = out_of_range(field, value, Range::Positive) {
+        let of_hand = params.hand.map(|hand| hand.ranges());
+        for (field, value, range) in own.into_iter().chain(of_hand.into_iter().flatten()) {
+            if let Some(message) = out_of_range(field, value, range) {
                 fault(field, message);
             }
         }
-        let field = WorldField::GuardAllowance;
-        if let Some(message) = out_of_range(field, params.allowance, Range::NotNegative) {
-            fault(field, message);
+        if params.late > 0 && params.hand.is_some() {
+            let late = params.late;
+            let message = format!(
+                "guard.late is {late}, and a bound on the acceleration needs forces that act by the actuation model; \
+                 put the delay into the actuation, or leave out guard.hand"
+            );
+            fault(WorldField::GuardLate, message);
         }
         if params.late > MAX_LATE {
             let late = params.late;
@@ -111,20 +213,33 @@ pub(crate) struct Account {
     /// Action on each tool in the last intervals by the actuation model, newest first.
     acted: Vec<Both>,
     tools: usize,
-    /// Energy that the forces of the last output could still deliver to the hands `[J]`.
-    pub left: f64,
+    /// Motion of each tool; empty without a guard.
+    motions: Vec<ToolMotion>,
+    /// Bounds on force and torque of each tool in the interval that is about to pass; empty without a guard.
+    uneven: Vec<[Uneven<f64>; 2]>,
+    /// Energy that may have been delivered unnoticed `[J]`.
+    hidden: f64,
+    /// Energy that the forces of the last output could still deliver to the hands, by the largest speeds `[J]`.
+    left: f64,
+    /// The same, by the largest accelerations `[J]`.
+    left_by_acceleration: f64,
 }
 
 impl Account {
     /// Creates the state for a world with this initial energy `[J]`.
     pub fn new(guard: &WorldGuard, tools: usize, there: f64) -> Self {
         let kept = guard.params().map_or(0, |params| params.late + 1);
+        let tracked = if kept > 0 { tools } else { 0 };
         Self {
             there,
             ports: [0.0; MAX_LATE + 1],
             acted: vec![[Vector3::zeros(); 2]; kept * tools],
             tools,
+            motions: vec![ToolMotion::default(); tracked],
+            uneven: vec![[Uneven::default(); 2]; tracked],
+            hidden: 0.0,
             left: 0.0,
+            left_by_acceleration: 0.0,
         }
     }
 
@@ -132,7 +247,11 @@ impl Account {
     pub fn copy_from(&mut self, other: &Self) {
         self.there = other.there;
         self.ports = other.ports;
+        self.hidden = other.hidden;
         self.left = other.left;
+        self.left_by_acceleration = other.left_by_acceleration;
+        self.motions.copy_from_slice(&other.motions);
+        self.uneven.copy_from_slice(&other.uneven);
         for (own, other) in self.acted.iter_mut().zip(&other.acted) {
             *own = *other;
         }
@@ -163,14 +282,26 @@ impl Account {
         self.there += energy;
     }
 
-    /// Ends an interval with the forces in `commands`. `moved`: translation and rotation of each device in it; `None`
-    /// if unknown. In that case the largest possible work over a `period` `[s]` is assumed.
+    /// Notes the bounds on the forces in an interval of `elapsed` `[s]` that is about to pass.
+    pub fn foresee(&mut self, (commands, torque_commands): (&Commands, &Commands), elapsed: f64) {
+        for (tool, uneven) in self.uneven.iter_mut().enumerate() {
+            *uneven = [commands, torque_commands].map(|commands| commands.uneven(tool, elapsed));
+        }
+    }
+
+    /// Returns whether a device accelerated beyond the bound in the last interval.
+    pub fn is_exceeded(&self) -> bool {
+        self.motions.iter().any(ToolMotion::is_exceeded)
+    }
+
+    /// Ends an interval of `elapsed` `[s]` with the forces in `commands`. `moved`: translation and rotation of each
+    /// device in it; `None` if unknown. In that case the largest possible work is assumed.
     pub fn pass(
         &mut self,
         params: &WorldGuardParams,
         (commands, torque_commands): (&Commands, &Commands),
         moved: Option<impl Fn(usize) -> Both>,
-        period: f64,
+        elapsed: f64,
     ) {
         let tools = self.tools;
         self.acted.rotate_right(tools);
@@ -184,21 +315,59 @@ impl Account {
         for (port, acted) in self.ports.iter_mut().zip(late) {
             *port += match &moved {
                 Some(moved) => work(acted, moved),
-                None => most(params, acted) * period,
+                None => most(params, acted) * elapsed,
+            };
+        }
+        self.hidden = (self.hidden - params.recovery * elapsed).max(0.0);
+        let motions = self.motions.iter_mut().zip(&self.uneven).enumerate();
+        for (tool, (motion, uneven)) in motions {
+            self.hidden += match &moved {
+                Some(moved) => {
+                    let acting = [commands.passed(tool), torque_commands.acting_or_none(tool)];
+                    motion.pass(params, acting, uneven, &moved(tool), elapsed)
+                }
+                // A mean can be smaller than the force that changed around it.
+                None => {
+                    let [force, torque] = uneven;
+                    let [sent, turning] = self.acted[tool];
+                    let sizes = [
+                        (force.size - sent.norm() * elapsed).max(0.0),
+                        (torque.size - turning.norm() * elapsed).max(0.0),
+                    ];
+                    let beyond =
+                        params.largest_speed * sizes[0] + params.largest_turning * sizes[1];
+                    motion.lose(params) + beyond
+                }
             };
         }
     }
 
-    /// Returns the energy that may still be given to the hands over one interval `[J]`. `expected` is the claim of
-    /// pending forces `[J]`.
-    pub fn free(
-        &self,
+    /// Computes the energy that may still be given to the hands over one interval of `period` `[s]`.
+    pub fn count(
+        &mut self,
         params: &WorldGuardParams,
         ledger: &EnergyLedger,
-        expected: f64,
+        (commands, torque_commands): (&Commands, &Commands),
         period: f64,
-    ) -> f64 {
-        let there = self.there + had(ledger) + params.allowance - expected;
+    ) {
+        let mut by_speed = 0.0;
+        let mut by_acceleration = 0.0;
+        for (tool, motion) in self.motions.iter_mut().enumerate() {
+            let on_way = [commands, torque_commands].map(|commands| commands.ahead(tool, period));
+            let [force, torque] = on_way.map(|on_way| (on_way.push + on_way.pull).sum());
+            by_speed += force * params.largest_speed + torque * params.largest_turning;
+            by_acceleration += motion.claim(params, on_way);
+        }
+        let mut at_ends: f64 = self
+            .motions
+            .iter()
+            .map(|one| one.hidden_at_end(params))
+            .sum();
+        if params.late > 0 {
+            // Forces that act later end later.
+            at_ends = self.acted.iter().map(|acted| params.in_quanta(acted)).sum();
+        }
+        let there = self.there + had(ledger) + params.allowance - self.hidden - at_ends;
         let mut claimed = 0.0;
         let mut least = f64::INFINITY;
         let late = self.acted.chunks_exact(self.tools.max(1));
@@ -209,7 +378,37 @@ impl Account {
             // With one more sample of delay, this force has yet to act.
             claimed += most(params, acted) * period;
         }
-        least.max(0.0)
+        self.left = (least - by_speed).max(0.0);
+        self.left_by_acceleration = least - by_acceleration;
+    }
+
+    /// Returns the part of the wrenches on the tools that the guard allows, if it is less than all of them. `wrenches`
+    /// yields the delivered force `[N]` and torque `[N m]` of each tool, to be held for a `period` `[s]`.
+    pub fn kept(
+        &self,
+        params: &WorldGuardParams,
+        wrenches: impl Iterator<Item = Both>,
+        period: f64,
+    ) -> Option<f64> {
+        let (mut asked, mut price) = (0.0, Price::default());
+        for (motion, wrench) in self.motions.iter().zip(wrenches) {
+            asked += most(params, &[wrench]) * period;
+            let Price { linear, square } = motion.price(params, &wrench, period);
+            price.linear += linear;
+            price.square += square;
+        }
+        if asked <= self.left {
+            return None;
+        }
+        // `asked` is above 0, or not a number.
+        let by_speed = self.left / asked;
+        let by_speed = if by_speed.is_nan() { 0.0 } else { by_speed };
+        let by_acceleration = match params.hand {
+            Some(_) => price.affordable(self.left_by_acceleration),
+            None => 0.0,
+        };
+        let part = by_speed.max(by_acceleration);
+        (part < 1.0).then_some(part)
     }
 }
 
@@ -243,13 +442,4 @@ fn most(params: &WorldGuardParams, acting: &[Both]) -> f64 {
         force.norm() * params.largest_speed + torque.norm() * params.largest_turning
     });
     each.sum()
-}
-
-/// Returns the maximum power of the forces and torques to be sent, from their magnitudes `[W]`.
-pub(crate) fn most_of(params: &WorldGuardParams, forces: &[Vector], torques: &[Vector]) -> f64 {
-    let size = |vectors: &[Vector]| -> f64 {
-        let sizes = vectors.iter().map(|vector| Vector3::from(*vector).norm());
-        sizes.sum()
-    };
-    size(forces) * params.largest_speed + size(torques) * params.largest_turning
 }

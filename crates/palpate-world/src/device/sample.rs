@@ -59,6 +59,9 @@ pub struct Limited {
     /// Forces and torques could deliver more energy than available, by the bound of
     /// [`WorldLoop::guard`](crate::WorldLoop::guard).
     pub guard: bool,
+    /// A device accelerated beyond the guard's [`WorldHandBound`](crate::WorldHandBound) in the interval that this sample
+    /// ends. The bound by speed applies to it.
+    pub beyond_guard: bool,
 }
 
 impl Limited {
@@ -70,6 +73,7 @@ impl Limited {
             torque: self.torque || other.torque,
             offset: self.offset || other.offset,
             guard: self.guard || other.guard,
+            beyond_guard: self.beyond_guard || other.beyond_guard,
         }
     }
 

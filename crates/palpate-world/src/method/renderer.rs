@@ -8,7 +8,7 @@ use crate::contact::nearby::Nearby;
 use crate::contact::pairs::{Point, Side, points};
 use crate::contact::point::Touch;
 use crate::device::commands::Commands;
-use crate::device::guard::{Account, most_of};
+use crate::device::guard::Account;
 use crate::device::tracking::Tracking;
 use crate::dynamics::joint_springs::{Link, links_of};
 use crate::dynamics::ledger::{
@@ -24,7 +24,7 @@ use crate::method::state::{ContactState, Progress, ToolState, WorldState, body_s
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::{
     Body, Effort, Limited, Motion, Output, Sample, Tool, Vector, World, WorldError, WorldFault,
-    WorldLoop,
+    WorldGuard, WorldLoop,
 };
 
 /// Renderer of a world by one method in one loop. It is immutable: a tick cannot change a parameter, and one renderer
@@ -282,9 +282,13 @@ impl WorldRenderer {
         let WorldState { progress, memory } = state;
         let elapsed = progress.tracking.believe(sample, &self.loop_params);
         let duration = *elapsed.as_ref().unwrap_or(&self.loop_params.period);
+        if self.loop_params.guard != WorldGuard::Off {
+            let commands = (&progress.commands, &progress.torque_commands);
+            progress.guard.foresee(commands, duration);
+        }
         progress.commands.pass(duration);
         progress.torque_commands.pass(duration);
-        self.account(progress, elapsed.is_ok());
+        self.account(progress, elapsed.is_ok(), duration);
         let mut effort = Effort::default();
         let answer = elapsed
             .and_then(|elapsed| self.try_step(progress, memory, sample, (elapsed, &mut effort)));
@@ -356,6 +360,7 @@ impl WorldRenderer {
         limited.force = limit(&state.intended, &mut state.forces, limits.0, gain);
         limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1, gain);
         limited.guard = self.guard(state);
+        limited.beyond_guard = state.guard.is_exceeded();
         Ok(limited)
     }
 
@@ -379,8 +384,8 @@ impl WorldRenderer {
         effort
     }
 
-    /// Updates the guard for an interval that has ended, with an accepted or rejected sample.
-    fn account(&self, state: &mut Progress, is_believed: bool) {
+    /// Updates the guard for an interval of `duration` `[s]` that has ended, with an accepted or rejected sample.
+    fn account(&self, state: &mut Progress, is_believed: bool, duration: f64) {
         let Some(params) = self.loop_params.guard.params() else {
             return;
         };
@@ -388,9 +393,7 @@ impl WorldRenderer {
         let tracking = &state.tracking;
         let moved = is_known.then_some(|tool| tracking.moved(tool));
         let commands = (&state.commands, &state.torque_commands);
-        state
-            .guard
-            .pass(params, commands, moved, self.loop_params.period);
+        state.guard.pass(params, commands, moved, duration);
     }
 
     /// Limits forces and torques to the guard's bound, if it is set to limit. Returns whether they exceeded it.
@@ -398,17 +401,11 @@ impl WorldRenderer {
         let Some(params) = self.loop_params.guard.params() else {
             return false;
         };
+        let commands = (&state.commands, &state.torque_commands);
         let period = self.loop_params.period;
-        let expected: f64 = (0..self.tools)
-            .map(|tool| {
-                state.commands.impulse_to_come(tool) * params.largest_speed
-                    + state.torque_commands.impulse_to_come(tool) * params.largest_turning
-            })
-            .sum();
-        let free = state.guard.free(params, &state.ledger, expected, period);
-        state.guard.left = free;
-        let power = most_of(params, &state.forces, &state.torques);
-        let kept = self.kept(state, power);
+        state.guard.count(params, &state.ledger, commands, period);
+        let wrenches = state.forces.iter().zip(&state.torques);
+        let kept = self.kept(state, wrenches.map(|(force, torque)| [*force, *torque]));
         if let Some(kept) = kept.filter(|_| self.loop_params.guard.limits()) {
             for vector in state.forces.iter_mut().chain(&mut state.torques) {
                 *vector = vector.map(|x| x * kept + 0.0);
@@ -417,11 +414,12 @@ impl WorldRenderer {
         kept.is_some()
     }
 
-    /// Returns the fraction that the guard allows of an action with this power `[W]`, if it exceeds the bound.
-    fn kept(&self, state: &Progress, power: f64) -> Option<f64> {
-        let asked = power * state.commands.gain() * self.loop_params.period;
-        // If it exceeds the bound, `asked` is above 0.
-        (asked > state.guard.left).then(|| state.guard.left / asked)
+    /// Returns the part of these forces `[N]` and torques `[N m]` that the guard allows, if they exceed its bound.
+    fn kept(&self, state: &Progress, wrenches: impl Iterator<Item = [Vector; 2]>) -> Option<f64> {
+        let params = self.loop_params.guard.params()?;
+        let gain = state.commands.gain();
+        let delivered = wrenches.map(|wrench| wrench.map(|part| Vector3::from(part) * gain));
+        state.guard.kept(params, delivered, self.loop_params.period)
     }
 
     /// Limits other forces and torques, to be held instead of the last output, to the limits of the loop and its
@@ -435,16 +433,14 @@ impl WorldRenderer {
     ) -> Limited {
         let state = &state.progress;
         let mut limited = Limited::default();
-        let guard = self.loop_params.guard.params();
         let gain = self.loop_params.actuation.limit_gain();
-        let mut power = 0.0;
         for (tool, held) in held.iter_mut().enumerate() {
             let [force, torque] = parts(held);
             limited.force |= shorten(force, self.loop_params.force_limits.get(tool), gain);
             limited.torque |= shorten(torque, self.loop_params.torque_limits.get(tool), gain);
-            power += guard.map_or(0.0, |params| most_of(params, &[*force], &[*torque]));
         }
-        let kept = guard.and_then(|_| self.kept(state, power));
+        let wrenches = held.iter_mut().map(|held| parts(held).map(|part| *part));
+        let kept = self.kept(state, wrenches);
         limited.guard = kept.is_some();
         if let Some(kept) = kept.filter(|_| self.loop_params.guard.limits()) {
             for vector in held.iter_mut().flat_map(parts) {

@@ -18,10 +18,8 @@ const TURNING: f64 = 10.0;
 
 fn guard(allowance: f64, late: usize) -> WorldGuardParams {
     WorldGuardParams {
-        largest_speed: SPEED,
-        largest_turning: TURNING,
-        allowance,
         late,
+        ..WorldGuardParams::by_speed(SPEED, TURNING, allowance)
     }
 }
 

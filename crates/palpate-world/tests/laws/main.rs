@@ -22,6 +22,7 @@ mod floor;
 mod god_object;
 mod grasp;
 mod guard;
+mod guard_attack;
 mod held;
 mod hfcr;
 mod hulls;

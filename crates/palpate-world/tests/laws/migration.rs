@@ -213,10 +213,8 @@ fn a_guard_that_comes_later_begins_with_the_energy_that_is_there() {
             renderer.step(&mut state, &Sample::at(&pressed));
         }
         let guard = WorldGuard::Limit(WorldGuardParams {
-            largest_speed: 1.0,
-            largest_turning: 10.0,
-            allowance: 1e-4,
             late: 1,
+            ..WorldGuardParams::by_speed(1.0, 10.0, 1e-4)
         });
         let loop_params = WorldLoop {
             guard,

@@ -236,12 +236,7 @@ fn what_is_too_large_or_too_small_to_reckon_with_is_refused() {
 #[test]
 fn what_is_infinite_and_has_to_be_finite_is_said_so() {
     let loop_params = WorldLoop {
-        guard: WorldGuard::Limit(WorldGuardParams {
-            largest_speed: 1.0,
-            largest_turning: 10.0,
-            allowance: f64::INFINITY,
-            late: 0,
-        }),
+        guard: WorldGuard::Limit(WorldGuardParams::by_speed(1.0, 10.0, f64::INFINITY)),
         ..WorldLoop::new(f64::INFINITY)
     };
     let mut world = a_world();

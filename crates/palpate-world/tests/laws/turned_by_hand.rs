@@ -217,14 +217,7 @@ fn taken(method: WorldMethod, guard: WorldGuard) -> (f64, u32, WorldState) {
 /// Energy that the hand puts in by rotating is not available for delivery: no motor opposed it.
 #[test]
 fn the_guard_does_not_count_what_the_hand_puts_in_by_turning() {
-    let guard = |allowance| {
-        WorldGuard::Limit(WorldGuardParams {
-            largest_speed: 0.3,
-            largest_turning: 10.0,
-            allowance,
-            late: 0,
-        })
-    };
+    let guard = |allowance| WorldGuard::Limit(WorldGuardParams::by_speed(0.3, 10.0, allowance));
     let coupled = CoupledParams::new(vec![[0.2; 3]]).with_device_inertia(vec![[2e-4; 3]]);
     for method in [BasicParams::default().into(), WorldMethod::from(coupled)] {
         let name = method.name();
