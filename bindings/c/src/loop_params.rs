@@ -136,11 +136,11 @@ impl LoopParams {
         let guard_params = GuardParams {
             largest_speed: number(self.guard_speed),
             allowance: number(self.guard_allowance),
+            quantum: number(self.encoder_quantum),
+            recovery: number(self.guard_recovery),
             hand: (self.guard_acceleration != 0.0).then_some(HandBound {
                 acceleration: number(self.guard_acceleration),
                 least_mass: number(self.guard_mass),
-                quantum: number(self.encoder_quantum),
-                recovery: number(self.guard_recovery),
             }),
         };
         let guard = match self.guard {

@@ -90,16 +90,21 @@ impl Changes {
             )));
         }
         let bounds = self.guard_bounds();
-        let given = [bounds.speed, bounds.allowance, bounds.acceleration];
+        let GuardBounds {
+            speed,
+            allowance,
+            acceleration,
+            least_mass: _,
+            recovery,
+        } = bounds;
+        let given = [speed, allowance, acceleration, recovery];
         if self.guard.is_none() && given.iter().any(Option::is_some) {
             return Err(refused(
-                "guard_speed, guard_allowance and guard_acceleration need a guard; give guard",
+                "guard_speed, guard_allowance, guard_acceleration and guard_recovery need a guard; give guard",
             ));
         }
         if bounds.lacks_acceleration() {
-            return Err(refused(
-                "guard_mass and guard_recovery need guard_acceleration",
-            ));
+            return Err(refused("guard_mass needs guard_acceleration"));
         }
         Ok(())
     }

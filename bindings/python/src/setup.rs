@@ -73,9 +73,7 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
         recovery: given.guard_recovery,
     };
     if bounds.lacks_acceleration() {
-        return Err(refused(
-            "guard_mass and guard_recovery need guard_acceleration",
-        ));
+        return Err(refused("guard_mass needs guard_acceleration"));
     }
     let setup = ReplaySetup {
         contact,

@@ -156,6 +156,13 @@ def test_ledger_records_the_reported_sent_force() -> None:
         ({"speed_limit": 0}, "speed_limit is 0 m/s, but must be finite and greater than 0"),
         ({"largest_gap": 1e-4}, "largest_gap is 0.0001 s, but must be finite and at least one period"),
         ({"guard": "limit", "guard_speed": 0}, "guard_speed is 0 m/s, but must be finite and greater than 0"),
+        ({"guard": "limit", "guard_acceleration": 0}, "guard_acceleration is 0 m/s^2, but must be finite and greater than 0"),
+        (
+            {"guard": "limit", "guard_acceleration": 80, "guard_mass": -1},
+            "guard_mass is -1 kg, but must be finite and greater than 0",
+        ),
+        ({"guard": "limit", "guard_mass": 0.1}, "guard_mass needs guard_acceleration"),
+        ({"guard": "limit", "guard_recovery": -1}, "guard_recovery is -1 W, but must be finite and not below 0"),
         ({"delay": 0.009}, "delay is 0.009 s, 9 periods, but must be at most 8 periods"),
         ({"delay": -1}, "delay is -1 s, but must be finite and not below 0"),
         ({"lag": -1}, "lag is -1 s, but must be finite and not below 0"),

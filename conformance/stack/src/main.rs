@@ -84,12 +84,9 @@ fn measured<S: Scalar, P: MethodParams<S> + Copy>(params: P, delay: f64, needs: 
             ..Actuation::after(of(delay * 0.01)).with_lag(of(1e-3))
         },
         guard: Guard::Report(GuardParams {
-            largest_speed: of(1.0),
-            allowance: of(1e-3),
-            hand: Some(HandBound {
-                recovery: of(0.01),
-                ..HandBound::of_force(of(20.0), of(0.1))
-            }),
+            recovery: of(0.01),
+            hand: Some(HandBound::of_force(of(20.0), of(0.1))),
+            ..GuardParams::by_speed(of(1.0), of(1e-3))
         }),
         ..LoopParams::new(of(0.01))
     };

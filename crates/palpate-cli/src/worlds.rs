@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
+use palpate_scene::world::{WorldFile, WorldScene, hand_guard, usual_guard};
 use palpate_world::{WorldError, WorldField, WorldGuard, WorldPart};
 
 use crate::arguments::{Flags, Given};
@@ -50,6 +50,14 @@ pub fn guarded(flags: &Flags, file: &WorldFile) -> WorldFile {
         };
         params.largest_speed = flags.guard_speed.unwrap_or(params.largest_speed);
         params.allowance = flags.guard_allowance.unwrap_or(params.allowance);
+        params.recovery = flags.guard_recovery.unwrap_or(params.recovery);
+        if let Some(acceleration) = flags.guard_acceleration {
+            let hand = params.hand.get_or_insert(hand_guard(acceleration));
+            hand.acceleration = acceleration;
+            if let Some(mass) = flags.guard_mass {
+                hand.least_mass = [mass; 3];
+            }
+        }
         *guard = mode.of_world(params);
     }
     file
@@ -85,10 +93,29 @@ pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &[WorldError]) -> Fa
             "--guard-allowance",
             flags.guard_allowance,
         ),
+        (
+            WorldField::GuardAcceleration,
+            "--guard-acceleration",
+            flags.guard_acceleration,
+        ),
+        (WorldField::GuardMass, "--guard-mass", flags.guard_mass),
+        (
+            WorldField::GuardRecovery,
+            "--guard-recovery",
+            flags.guard_recovery,
+        ),
     ] {
         if first.field == field && value.is_some() {
             return Failure::Arguments(format!("{flag}: {}", first.message));
         }
+    }
+    // The file has no such key if it has no such guard.
+    if first.field == WorldField::GuardTurning && flags.guard_acceleration.is_some() {
+        return Failure::Arguments(
+            "--guard-acceleration: a device turns; set render.guard.turning_acceleration_rad_per_s2 and \
+             acceleration_m_per_s2 in the file"
+                .into(),
+        );
     }
     if flags.method.is_some() && first.part == WorldPart::Method {
         return Failure::Arguments(format!("--method: {}", first.message));

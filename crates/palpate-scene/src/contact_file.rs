@@ -24,7 +24,7 @@ use super::timing::Timing;
 use super::{Measure, Scene, SetupError};
 use crate::method::{MethodName, Setting, Settings, SettingsError, UnknownMethod, method_named};
 use crate::model::RawModel;
-use crate::render_key::RawRender;
+use crate::render_key::{RawGuard, RawRender};
 use crate::world::WorldScene;
 use crate::world::device::{wrong_body_name, wrong_device_name};
 use crate::world::per_axis::PerAxis;
@@ -357,21 +357,30 @@ impl Reading<'_> {
     /// Rejects limits of torque and turning, which one axis lacks, and bounds of an acceleration that is not given.
     fn refuse_torque(&mut self, render: &RawRender) {
         let guard = render.guard.as_ref();
-        let turning = guard.and_then(|guard| guard.turning_rad_per_s.as_ref());
+        let span = |value: &Option<Spanned<f64>>| value.as_ref().map(Spanned::span);
+        let of_guard =
+            |key: fn(&RawGuard) -> &Option<Spanned<f64>>| guard.and_then(|guard| span(key(guard)));
         let keys = [
             (
                 "render.torque_limit_n_m",
                 render.torque_limit_n_m.as_ref().map(Spanned::span),
             ),
-            ("render.guard.turning_rad_per_s", turning.map(Spanned::span)),
+            (
+                "render.guard.turning_rad_per_s",
+                of_guard(|guard| &guard.turning_rad_per_s),
+            ),
+            (
+                "render.guard.turning_acceleration_rad_per_s2",
+                of_guard(|guard| &guard.turning_acceleration_rad_per_s2),
+            ),
+            (
+                "render.guard.least_inertia_kg_m2",
+                of_guard(|guard| &guard.least_inertia_kg_m2),
+            ),
         ];
         self.refuse(&keys, "needs a device of six axes, with inertia_kg_m2");
         if let Some(guard) = guard.filter(|guard| guard.acceleration_m_per_s2.is_none()) {
-            let span = |value: &Option<Spanned<f64>>| value.as_ref().map(Spanned::span);
-            let keys = [
-                ("render.guard.least_mass_kg", span(&guard.least_mass_kg)),
-                ("render.guard.recovery_w", span(&guard.recovery_w)),
-            ];
+            let keys = [("render.guard.least_mass_kg", span(&guard.least_mass_kg))];
             self.refuse(&keys, "needs acceleration_m_per_s2");
         }
     }

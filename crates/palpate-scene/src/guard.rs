@@ -41,8 +41,6 @@ impl GuardMode {
         let hand = bounds.acceleration.map(|acceleration| HandBound {
             acceleration,
             least_mass: bounds.least_mass.unwrap_or(0.0),
-            quantum: 0.0,
-            recovery: bounds.recovery.unwrap_or(GUARD_RECOVERY),
         });
         let usual = if hand.is_some() {
             HAND_GUARD_ALLOWANCE
@@ -52,6 +50,8 @@ impl GuardMode {
         let params = GuardParams {
             largest_speed: bounds.speed.unwrap_or(GUARD_SPEED),
             allowance: bounds.allowance.unwrap_or(usual),
+            quantum: 0.0,
+            recovery: bounds.recovery.unwrap_or(GUARD_RECOVERY),
             hand,
         };
         match self {
@@ -78,10 +78,10 @@ pub struct GuardBounds {
 }
 
 impl GuardBounds {
-    /// Returns whether a value is given that has an effect only with an acceleration.
+    /// Returns whether a least mass is given, which has an effect only with an acceleration.
     #[must_use]
     pub fn lacks_acceleration(&self) -> bool {
-        self.acceleration.is_none() && (self.least_mass.is_some() || self.recovery.is_some())
+        self.acceleration.is_none() && self.least_mass.is_some()
     }
 }
 
@@ -95,9 +95,9 @@ pub fn guard_of_device(guard: Guard<f64>, device_mass: Option<f64>, quantum: f64
                 Some(mass) if hand.least_mass == 0.0 => 0.5 * mass,
                 _ => hand.least_mass,
             },
-            quantum,
             ..hand
         }),
+        quantum,
         ..params
     };
     match guard {

@@ -31,7 +31,9 @@ pub(crate) struct RawGuard {
     pub turning_rad_per_s: Option<Spanned<f64>>,
     pub allowance_j: Option<Spanned<f64>>,
     pub acceleration_m_per_s2: Option<Spanned<f64>>,
+    pub turning_acceleration_rad_per_s2: Option<Spanned<f64>>,
     pub least_mass_kg: Option<Spanned<f64>>,
+    pub least_inertia_kg_m2: Option<Spanned<f64>>,
     pub recovery_w: Option<Spanned<f64>>,
     pub late_samples: Option<Spanned<usize>>,
 }

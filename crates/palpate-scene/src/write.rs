@@ -422,12 +422,12 @@ impl File {
             Guard::Limit(params) => ("limit", params),
         };
         let (speed, allowance) = (params.largest_speed, params.allowance);
-        let mut table =
-            format!("mode = \"{mode}\", speed_m_per_s = {speed:?}, allowance_j = {allowance:?}");
+        let mut table = format!(
+            "mode = \"{mode}\", speed_m_per_s = {speed:?}, allowance_j = {allowance:?}, recovery_w = {:?}",
+            params.recovery
+        );
         if let Some(hand) = params.hand {
-            let (acceleration, recovery) = (hand.acceleration, hand.recovery);
-            table +=
-                &format!(", acceleration_m_per_s2 = {acceleration:?}, recovery_w = {recovery:?}");
+            table += &format!(", acceleration_m_per_s2 = {:?}", hand.acceleration);
             if hand.least_mass != 0.0 {
                 table += &format!(", least_mass_kg = {:?}", hand.least_mass);
             }

@@ -150,7 +150,7 @@ pub struct Flags {
     pub guard_speed: Option<f64>,
     /// Largest acceleration of the device by everything except the rendered force, for example hand force over device
     /// mass: the guard then also permits each force that cannot give out too much before the next sample, and charges
-    /// the sensor's quantum and forces that change between samples. One contact only [m/s^2] [default: no bound]
+    /// the sensor's quantum and forces that change between samples [m/s^2] [default: no bound]
     #[arg(
         long,
         value_name = "m/s^2",
@@ -176,7 +176,7 @@ pub struct Flags {
         value_name = "W",
         value_parser = number,
         allow_hyphen_values = true,
-        requires = "guard_acceleration",
+        requires = "guard",
         help_heading = "Loop"
     )]
     pub guard_recovery: Option<f64>,

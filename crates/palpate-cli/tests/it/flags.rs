@@ -284,6 +284,33 @@ fn facts_about_the_device_are_taken_by_every_method() {
 }
 
 #[test]
+fn guard_flags_have_ranges_and_belong_together() {
+    let folder = Folder::new();
+    folder.write("scene.toml", experiment_text("fig2"));
+    for (flags, words) in [
+        (
+            "--guard limit --guard-acceleration 0",
+            "--guard-acceleration is 0 m/s^2, but must be finite and greater than 0",
+        ),
+        (
+            "--guard limit --guard-acceleration 80 --guard-mass 0",
+            "--guard-mass is 0 kg, but must be finite and greater than 0",
+        ),
+        (
+            "--guard limit --guard-recovery -1",
+            "--guard-recovery is -1 W, but must be finite and not below 0",
+        ),
+        (
+            "--guard limit --guard-mass 0.1",
+            "--guard-acceleration <m/s^2>",
+        ),
+        ("--guard-recovery 0", "--guard <MODE>"),
+    ] {
+        folder.fail(&format!("simulate scene.toml {flags}"), 2, &[words]);
+    }
+}
+
+#[test]
 fn a_setting_that_means_two_things_needs_one_method() {
     let folder = folder();
     let both = [("--method", "virtual-damper,hfcr"), ("--damping", "1")];

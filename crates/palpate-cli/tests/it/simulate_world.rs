@@ -556,6 +556,38 @@ fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted()
         2,
         &["--guard-speed", "above 0"],
     );
+    // The bound by acceleration, from flags and in the file.
+    let by_hand = "simulate ball.toml --guard limit --guard-allowance 1e-5 --guard-acceleration 80";
+    let (fewer, _) = guarded(by_hand);
+    assert!(fewer < acted, "{fewer} {acted}");
+    let guard = guard.replace("1e-5", "1e-5, acceleration_m_per_s2 = 80");
+    folder.write("by-hand.toml", BALL.replace("[render]", &guard));
+    assert_eq!(guarded("simulate by-hand.toml"), guarded(by_hand));
+    assert!(guarded(&format!("{by_hand} --guard-recovery 0")).0 >= fewer);
+    for (flags, words) in [
+        (
+            "--guard-acceleration 0",
+            ["--guard-acceleration", "above 0"],
+        ),
+        (
+            "--guard-acceleration 80 --guard-mass -1",
+            ["--guard-mass", "above 0"],
+        ),
+        ("--guard-recovery -1", ["--guard-recovery", "at least 0"]),
+    ] {
+        folder.fail(
+            &format!("simulate ball.toml --guard limit {flags}"),
+            2,
+            &words,
+        );
+    }
+    let inertia = "inertia_kg_m2 = [1e-4, 1e-4, 1e-4]\nmass_kg";
+    folder.write("turning.toml", BALL.replacen("mass_kg", inertia, 1));
+    folder.fail(
+        "simulate turning.toml --guard limit --guard-acceleration 80",
+        2,
+        &["--guard-acceleration", "turning_acceleration_rad_per_s2"],
+    );
 }
 
 #[test]

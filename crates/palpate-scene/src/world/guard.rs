@@ -1,11 +1,12 @@
 //! Bound on the energy output of a world's forces, as read from a file.
 
 use palpate_core::Range;
-use palpate_world::{WorldField, WorldGuard, WorldGuardParams, WorldPart};
+use palpate_world::{LARGEST, WorldField, WorldGuard, WorldGuardParams, WorldHandBound, WorldPart};
 use toml::Spanned;
 
 use super::file::Reading;
-use crate::guard::{GUARD_SPEED, GuardMode};
+use super::{WorldDevice, WorldScene};
+use crate::guard::{GUARD_RECOVERY, GUARD_SPEED, GuardMode};
 use crate::render_key::RawGuard;
 
 /// Default angular speed of a guard `[rad/s]`: a brisk wrist.
@@ -29,60 +30,183 @@ impl GuardMode {
 #[must_use]
 pub fn usual_guard() -> WorldGuardParams {
     WorldGuardParams {
-        largest_speed: GUARD_SPEED,
-        largest_turning: GUARD_TURNING,
-        allowance: WORLD_GUARD_ALLOWANCE,
-        late: 0,
+        recovery: GUARD_RECOVERY,
+        ..WorldGuardParams::by_speed(GUARD_SPEED, GUARD_TURNING, WORLD_GUARD_ALLOWANCE)
+    }
+}
+
+/// Returns the bound on an acceleration `[m/s^2]` whose other values are those of the devices
+/// ([`WorldScene::guard_of_devices`]).
+#[must_use]
+pub fn hand_guard(acceleration: f64) -> WorldHandBound {
+    WorldHandBound {
+        acceleration,
+        turning: 0.0,
+        least_mass: [0.0; 3],
+        least_inertia: 0.0,
+    }
+}
+
+impl WorldScene {
+    /// Returns the guard with the quanta of the devices, and half of the least model mass and inertia if no other ones
+    /// were given.
+    #[must_use]
+    pub fn guard_of_devices(&self) -> WorldGuard {
+        let largest = |quanta: &mut dyn Iterator<Item = f64>| quanta.fold(0.0, f64::max);
+        let quantum = largest(&mut self.devices.iter().flat_map(|device| device.quantum));
+        let quantum = self.render.sensor_quantum.unwrap_or(quantum);
+        let turnings = || {
+            self.devices
+                .iter()
+                .filter_map(|device| device.turning.as_ref())
+        };
+        // The quanta are along the axes of the devices, the bound is along those of the world.
+        let is_along = self.devices.iter().all(|device| device.own_axes.is_none());
+        let across = if is_along { 1.0 } else { 3f64.sqrt() };
+        let complete = |params: WorldGuardParams| WorldGuardParams {
+            quantum: across * quantum,
+            angle_quantum: largest(&mut turnings().map(|turning| turning.quantum)),
+            hand: params.hand.map(|hand| self.hand_of_devices(hand)),
+            ..params
+        };
+        match self.render.guard {
+            WorldGuard::Off => WorldGuard::Off,
+            WorldGuard::Report(params) => WorldGuard::Report(complete(params)),
+            WorldGuard::Limit(params) => WorldGuard::Limit(complete(params)),
+        }
+    }
+
+    fn hand_of_devices(&self, hand: WorldHandBound) -> WorldHandBound {
+        let half_of = |least: f64| (0.5 * least).min(LARGEST);
+        let mut mass = [f64::INFINITY; 3];
+        for (tool, model) in self.world.tools.iter().zip(&self.render.device_mass) {
+            let least = model.iter().copied().fold(f64::INFINITY, f64::min);
+            for (mass, model) in mass.iter_mut().zip(model) {
+                let along_world = tool.own_axes.is_none();
+                *mass = mass.min(if along_world { *model } else { least });
+            }
+            if tool.mass_table.is_some() {
+                // Its least mass has to be given.
+                mass = [0.0; 3];
+            }
+        }
+        let inertia = self.render.device_inertia.iter().flatten().flatten();
+        let inertia = inertia.copied().fold(f64::INFINITY, f64::min);
+        let turns = self.devices.iter().any(|device| device.turning.is_some());
+        let or = |given: f64, otherwise: f64| if given == 0.0 { otherwise } else { given };
+        WorldHandBound {
+            turning: if turns {
+                hand.turning
+            } else {
+                or(hand.turning, 1.0)
+            },
+            least_mass: [0, 1, 2].map(|axis| or(hand.least_mass[axis], half_of(mass[axis]))),
+            least_inertia: or(hand.least_inertia, half_of(inertia)),
+            ..hand
+        }
     }
 }
 
 impl Reading {
-    pub(super) fn guard(&mut self, raw: RawGuard) -> WorldGuard {
-        let of_one_contact = [
-            ("acceleration_m_per_s2", &raw.acceleration_m_per_s2),
-            ("least_mass_kg", &raw.least_mass_kg),
-            ("recovery_w", &raw.recovery_w),
-        ];
-        for (key, value) in of_one_contact {
-            if let Some(value) = value {
-                let message = format!("render.guard.{key} needs a scene of one contact");
-                self.fault(value.span(), message);
+    pub(super) fn guard(&mut self, raw: RawGuard, devices: &[WorldDevice]) -> WorldGuard {
+        let usual = usual_guard();
+        let turns = devices.iter().any(|device| device.turning.is_some());
+        if let Some(acceleration) = &raw.acceleration_m_per_s2
+            && turns
+            && raw.turning_acceleration_rad_per_s2.is_none()
+        {
+            let message = "render.guard.acceleration_m_per_s2 needs turning_acceleration_rad_per_s2, because a device turns";
+            self.fault(acceleration.span(), message);
+        }
+        if raw.acceleration_m_per_s2.is_none() {
+            let keys = [
+                (
+                    "turning_acceleration_rad_per_s2",
+                    &raw.turning_acceleration_rad_per_s2,
+                ),
+                ("least_mass_kg", &raw.least_mass_kg),
+                ("least_inertia_kg_m2", &raw.least_inertia_kg_m2),
+            ];
+            for (key, value) in keys {
+                if let Some(value) = value {
+                    let message = format!("render.guard.{key} needs acceleration_m_per_s2");
+                    self.fault(value.span(), message);
+                }
             }
         }
-        let usual = usual_guard();
-        let mut or = |key: &str, field, value: Option<Spanned<f64>>, otherwise, least| {
-            value.map_or(otherwise, |value| {
-                let checked = self.number(key, value.clone(), least);
+        let mut read = |key: &str, field, value: Option<Spanned<f64>>, range| {
+            value.map(|value| {
+                let checked = self.number(key, value.clone(), range);
                 self.places.take(WorldPart::Loop, field, value);
                 checked
             })
         };
+        let positive = Range::Positive;
+        let speed = read(
+            "speed_m_per_s",
+            WorldField::GuardLargestSpeed,
+            raw.speed_m_per_s,
+            positive,
+        );
+        let turning = read(
+            "turning_rad_per_s",
+            WorldField::GuardLargestTurning,
+            raw.turning_rad_per_s,
+            positive,
+        );
+        let allowance = read(
+            "allowance_j",
+            WorldField::GuardAllowance,
+            raw.allowance_j,
+            Range::NotNegative,
+        );
+        let recovery = read(
+            "recovery_w",
+            WorldField::GuardRecovery,
+            raw.recovery_w,
+            Range::NotNegative,
+        );
+        let acceleration = read(
+            "acceleration_m_per_s2",
+            WorldField::GuardAcceleration,
+            raw.acceleration_m_per_s2,
+            positive,
+        );
+        let angular = read(
+            "turning_acceleration_rad_per_s2",
+            WorldField::GuardTurning,
+            raw.turning_acceleration_rad_per_s2,
+            positive,
+        );
+        let mass = read(
+            "least_mass_kg",
+            WorldField::GuardMass,
+            raw.least_mass_kg,
+            positive,
+        );
+        let inertia = read(
+            "least_inertia_kg_m2",
+            WorldField::GuardInertia,
+            raw.least_inertia_kg_m2,
+            positive,
+        );
+        let hand = acceleration.map(|acceleration| WorldHandBound {
+            turning: angular.unwrap_or(0.0),
+            least_mass: [mass.unwrap_or(0.0); 3],
+            least_inertia: inertia.unwrap_or(0.0),
+            ..hand_guard(acceleration)
+        });
         let params = WorldGuardParams {
-            largest_speed: or(
-                "speed_m_per_s",
-                WorldField::GuardLargestSpeed,
-                raw.speed_m_per_s,
-                usual.largest_speed,
-                Range::Positive,
-            ),
-            largest_turning: or(
-                "turning_rad_per_s",
-                WorldField::GuardLargestTurning,
-                raw.turning_rad_per_s,
-                usual.largest_turning,
-                Range::Positive,
-            ),
-            allowance: or(
-                "allowance_j",
-                WorldField::GuardAllowance,
-                raw.allowance_j,
-                usual.allowance,
-                Range::NotNegative,
-            ),
+            largest_speed: speed.unwrap_or(usual.largest_speed),
+            largest_turning: turning.unwrap_or(usual.largest_turning),
+            allowance: allowance.unwrap_or(usual.allowance),
+            recovery: recovery.unwrap_or(usual.recovery),
+            hand,
             late: raw.late_samples.map_or(usual.late, |late| {
                 self.places
                     .take(WorldPart::Loop, WorldField::GuardLate, late)
             }),
+            ..usual
         };
         raw.mode.of_world(params)
     }

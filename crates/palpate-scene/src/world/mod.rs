@@ -18,7 +18,7 @@ pub(crate) mod shape;
 mod stl;
 
 pub use file::WorldFile;
-pub use guard::{GUARD_TURNING, WORLD_GUARD_ALLOWANCE, usual_guard};
+pub use guard::{GUARD_TURNING, WORLD_GUARD_ALLOWANCE, hand_guard, usual_guard};
 pub use rendering::WorldSettings;
 
 use std::collections::HashMap;

@@ -224,7 +224,7 @@ impl WorldScene {
         loop_params
             .with_force_limits(each(self.render.force_limit))
             .with_torque_limits(each(self.render.torque_limit))
-            .with_guard(self.render.guard)
+            .with_guard(self.guard_of_devices())
     }
 
     /// The method of that name, with the scene's settings.

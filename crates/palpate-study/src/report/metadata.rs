@@ -2,7 +2,7 @@
 
 use crate::sim::run::Run;
 use palpate_core::{Guard, GuardParams, Mass, ObjectState, Side};
-use palpate_scene::{HandForceAt, Intention, Measure, PantographDevice, Scene};
+use palpate_scene::{GUARD_RECOVERY, HandForceAt, Intention, Measure, PantographDevice, Scene};
 
 use super::{Subject, parameters_of, timing_of};
 
@@ -176,7 +176,9 @@ fn bounds(guard: &GuardParams<f64>) -> String {
     let mut text = format!("{} m/s, {} J", guard.largest_speed, guard.allowance);
     if let Some(hand) = guard.hand {
         text += &format!(", {} m/s^2 on {} kg", hand.acceleration, hand.least_mass);
-        text += &format!(", recovery {} W", hand.recovery);
+    }
+    if guard.recovery != GUARD_RECOVERY {
+        text += &format!(", recovery {} W", guard.recovery);
     }
     text
 }

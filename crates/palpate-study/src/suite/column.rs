@@ -197,7 +197,7 @@ impl RawGuard {
             recovery: self.recovery_w,
         };
         if bounds.lacks_acceleration() {
-            return Err("guard: least_mass_kg and recovery_w need acceleration_m_per_s2".into());
+            return Err("guard: least_mass_kg needs acceleration_m_per_s2".into());
         }
         Ok(self.mode.guard(bounds))
     }

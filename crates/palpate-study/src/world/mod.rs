@@ -121,6 +121,9 @@ pub struct WorldMethodReport {
     pub limited_samples: usize,
     /// Number of samples at which forces exceeded the guard's bound, limited or not.
     pub guarded_samples: usize,
+    /// Number of intervals in which a device accelerated beyond the bound of the guard.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_guard: Option<usize>,
     /// Number of samples at which contacts changed their mode more often than the finest sub-steps of the renderer
     /// resolve.
     pub coarse_samples: usize,
@@ -335,6 +338,7 @@ fn of_run(run: &WorldRun, of_devices: &[OfDevice<'_>]) -> WorldMethodReport {
         first_refusal: run.first_refusal.map(|it| of_refusal(&it, of_devices)),
         limited_samples: run.limited,
         guarded_samples: run.guarded,
+        beyond_guard: Some(run.beyond_guard).filter(|&count| count > 0),
         coarse_samples: run.coarse,
         crowded_samples: run.crowded,
         too_fast_samples: run.too_fast,

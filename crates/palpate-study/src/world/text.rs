@@ -237,6 +237,13 @@ fn remarks_on(method: &WorldMethodReport) -> Vec<String> {
             counted(method.guarded_samples, "sample")
         ));
     }
+    if let Some(count) = method.beyond_guard {
+        remarks.push(format!(
+            "{}: {} beyond the acceleration of the guard.",
+            method.method,
+            counted(count, "interval")
+        ));
+    }
     if let Some(through) = &method.first_through {
         let more = match method.went_through {
             1 => String::new(),

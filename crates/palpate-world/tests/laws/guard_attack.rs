@@ -465,7 +465,7 @@ fn hands_within_acceleration_bound_take_no_more_than_allowance() {
     assert!(most > 0.8 * ALLOWANCE, "{most} J");
 }
 
-/// The attack is effective: it takes more without a limit, and from a guard with wrong values of the device.
+/// The attack is effective: it takes more without a limit, and from a guard with a wrong quantum.
 #[test]
 fn the_same_hands_take_more_without_a_limit() {
     let largest = |guarded: &dyn Fn(WorldGuardParams) -> WorldGuard| {
@@ -477,25 +477,13 @@ fn the_same_hands_take_more_without_a_limit() {
         taken.fold(f64::NEG_INFINITY, f64::max)
     };
     let open = largest(&WorldGuard::Report);
-    let heavy = largest(&|guard| {
-        let hand = WorldHandBound {
-            least_mass: [10.0; 3],
-            least_inertia: 1e-2,
-            ..HAND
-        };
-        WorldGuard::Limit(WorldGuardParams {
-            hand: Some(hand),
-            ..guard
-        })
-    });
     let fine = largest(&|guard| {
         WorldGuard::Limit(WorldGuardParams {
             quantum: 0.0,
             ..guard
         })
     });
-    println!("{open} J, a heavy device {heavy} J, a fine sensor {fine} J");
+    println!("{open} J, a fine sensor {fine} J");
     assert!(open > 20.0 * ALLOWANCE, "{open} J");
-    assert!(heavy > 1.5 * ALLOWANCE, "{heavy} J");
-    assert!(fine > 1.1 * ALLOWANCE, "{fine} J");
+    assert!(fine > 2.0 * ALLOWANCE, "{fine} J");
 }

@@ -28,6 +28,9 @@ const FLAGS: [&str; 12] = [
     "method",
     "guard",
     "guard_speed",
+    "guard_acceleration",
+    "guard_mass",
+    "guard_recovery",
     "guard_allowance",
     "json",
 ];

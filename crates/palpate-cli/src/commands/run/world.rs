@@ -29,6 +29,9 @@ pub fn known_flags() -> Vec<&'static str> {
         "method",
         "guard",
         "guard_speed",
+        "guard_acceleration",
+        "guard_mass",
+        "guard_recovery",
         "guard_allowance",
         "device",
     ];

@@ -21,6 +21,9 @@ const FLAGS: [&str; 7] = [
     "seeds",
     "start_range",
     "guard_speed",
+    "guard_acceleration",
+    "guard_mass",
+    "guard_recovery",
     "guard_allowance",
 ];
 

@@ -70,7 +70,9 @@ impl Reading {
             torque_limit,
             force_limit,
             actuation: self.actuation(&model, known),
-            guard: raw.guard.map_or(WorldGuard::Off, |guard| self.guard(guard)),
+            guard: raw
+                .guard
+                .map_or(WorldGuard::Off, |guard| self.guard(guard, devices)),
         }
     }
 

@@ -1,5 +1,8 @@
 //! All errors of a loop, its actuator and its transmission: position, message, and marked text.
 
+use palpate_scene::ContactFile;
+
+use crate::scene_files::GOOD;
 use crate::scene_files::faults::assert_faults;
 
 #[test]
@@ -49,6 +52,37 @@ speed_limit_m_per_s = 10 -> largest_gap_s = 0.01
   0.01"#,
         14,
     );
+}
+
+#[test]
+fn guard_values_have_ranges_and_belong_together() {
+    for (keys, words) in [
+        (
+            "acceleration_m_per_s2 = 0",
+            "render.guard.acceleration_m_per_s2 is 0 m/s^2, but must be finite and greater than 0",
+        ),
+        (
+            "acceleration_m_per_s2 = 80, least_mass_kg = -1",
+            "render.guard.least_mass_kg is -1 kg, but must be finite and greater than 0",
+        ),
+        (
+            "recovery_w = -1",
+            "render.guard.recovery_w is -1 W, but must be finite and not below 0",
+        ),
+        (
+            "least_mass_kg = 0.1",
+            "render.guard.least_mass_kg needs acceleration_m_per_s2",
+        ),
+        (
+            "acceleration_m_per_s2 = 80, turning_acceleration_rad_per_s2 = 1000",
+            "render.guard.turning_acceleration_rad_per_s2 needs a device of six axes",
+        ),
+    ] {
+        let guard = format!("guard = {{ mode = \"limit\", {keys} }}");
+        let text = GOOD.replace("unilateral = false", &guard);
+        let error = ContactFile::parse("good", &text).unwrap_err().to_string();
+        assert!(error.contains(words), "{keys}: {error}");
+    }
 }
 
 #[test]

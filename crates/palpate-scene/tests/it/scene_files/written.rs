@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use palpate_core::{Guard, HandBound};
 use palpate_scene::{ContactFile, Grip, Intention, Scene};
 use palpate_testbed::recorded_path::RecordedPath;
 
@@ -45,6 +46,16 @@ fn every_key_is_written() {
             .contact
             .unilateral
     );
+    let guard = "guard = { mode = \"limit\", acceleration_m_per_s2 = 80, least_mass_kg = 0.1, recovery_w = 0.01 }";
+    let guarded = edit("unilateral = false", guard);
+    let Guard::Limit(params) = guarded.loop_params_with_delay().guard else {
+        panic!("{:?}", guarded.loop_params.guard);
+    };
+    let hand = HandBound {
+        acceleration: 80.0,
+        least_mass: 0.1,
+    };
+    assert_eq!((params.hand, params.recovery), (Some(hand), 0.01));
     for (from, to) in [
         ("\"a block\"", "\"a \\\"block\\\", \\\\ and a\\ttab\""),
         (MOVING, "fixed = true\nposition_m = [0.05, 0.0, 0.0]\n"),
@@ -114,6 +125,18 @@ fn every_key_is_written() {
             "estimate = \"ab2\"\n\n[methods.virtual-damper]\ndamper_object = \"spring\"",
         ),
         ("unilateral = false", "largest_gap_s = 0.5"),
+        (
+            "unilateral = false",
+            "guard = { mode = \"report\", speed_m_per_s = 0.5, allowance_j = 0.1 }",
+        ),
+        (
+            "unilateral = false",
+            "guard = { mode = \"limit\", recovery_w = 0.0 }",
+        ),
+        (
+            "unilateral = false",
+            "guard = { mode = \"limit\", acceleration_m_per_s2 = 80.0 }",
+        ),
         ("damping_n_s_per_m = 0.1", "damping_n_s_per_m = \"auto\""),
         ("estimate = \"ab2\"", "estimate = \"ab3\""),
         ("estimate = \"ab2\"", "estimate = \"differences\""),

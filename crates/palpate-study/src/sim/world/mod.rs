@@ -76,6 +76,8 @@ pub struct WorldRun {
     pub limited: usize,
     /// Samples at which forces exceeded the guard's bound.
     pub guarded: usize,
+    /// Intervals in which a device accelerated beyond the bound of the guard.
+    pub beyond_guard: usize,
     /// Intervals in which a contact changed its mode more often than the tick could follow at its finest.
     pub coarse: usize,
     /// Samples at which more of what may touch was near than the renderer has room for.
@@ -166,6 +168,7 @@ impl WorldRun {
             first_refusal: None,
             limited: 0,
             guarded: 0,
+            beyond_guard: 0,
             found_at_start: 0.0,
             recorded: 0.0,
             coarse: 0,
@@ -187,6 +190,7 @@ impl WorldRun {
         };
         self.limited += usize::from(changed.any());
         self.guarded += usize::from(output.limited.guard);
+        self.beyond_guard += usize::from(output.limited.beyond_guard);
         self.coarse += usize::from(output.effort.unrefined > 0);
         self.crowded += usize::from(output.effort.left_out > 0);
         self.too_fast += usize::from(output.effort.too_fast);
