@@ -279,7 +279,7 @@ impl Attack {
         self
     }
 
-    /// Returns the best of attacks that are improved in `tries` steps, and what it takes `[J]`.
+    /// Returns the attack after `tries` improvements, and the energy that it takes `[J]`.
     fn improved(
         self,
         random: &mut Random,
