@@ -40,7 +40,8 @@ class Renderer(Fixed, _palpate.Renderer):
         guard_acceleration: Largest acceleration of the device by everything except the rendered force [m/s^2]; the guard
             then bounds by the last step too. `None`: by speed only.
         guard_mass: Least device mass for this bound [kg]; `None`: half of `device_mass`.
-        guard_recovery: Power by which the guard forgives energy that may have been given out unnoticed [W].
+        guard_recovery: Power by which the guard forgives energy that may have been given out unnoticed, in the quanta of
+            the sensor or by a force that changes between samples [W]; `None`: 0.02.
         delay: Time from a sample to the beginning of its force [s], at most 8 periods.
         delay_deviation: Standard deviation of the delay [s].
         lag: Time constant of the actuator [s].

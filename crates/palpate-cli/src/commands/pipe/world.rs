@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::worlds::{self, wrong_world};
 
 /// Flags of a pipe of a world; all other values are in its file.
-const FLAGS: [&str; 12] = [
+const FLAGS: [&str; 15] = [
     "file",
     "scene",
     "time",

@@ -14,7 +14,7 @@ use crate::results::print_report;
 use crate::worlds::{self, wrong_world};
 
 /// Flags of a world's simulation; all other values are in its file.
-const FLAGS: [&str; 7] = [
+const FLAGS: [&str; 10] = [
     "scene",
     "method",
     "guard",
