@@ -158,8 +158,8 @@ def test_ledger_records_the_reported_sent_force() -> None:
         ({"guard": "limit", "guard_speed": 0}, "guard_speed is 0 m/s, but must be finite and greater than 0"),
         ({"guard": "limit", "guard_acceleration": 0}, "guard_acceleration is 0 m/s^2, but must be finite and greater than 0"),
         (
-            {"guard": "limit", "guard_acceleration": 80, "guard_mass": -1},
-            "guard_mass is -1 kg, but must be finite and greater than 0",
+            {"guard": "limit", "guard_acceleration": 80, "guard_mass": 0},
+            "guard_mass is 0 kg, but must be finite and greater than 0",
         ),
         ({"guard": "limit", "guard_mass": 0.1}, "guard_mass needs guard_acceleration"),
         ({"guard": "limit", "guard_recovery": -1}, "guard_recovery is -1 W, but must be finite and not below 0"),

@@ -40,7 +40,7 @@ impl GuardMode {
     pub fn guard(self, bounds: GuardBounds) -> Guard<f64> {
         let hand = bounds.acceleration.map(|acceleration| HandBound {
             acceleration,
-            least_mass: bounds.least_mass.unwrap_or(0.0),
+            least_mass: bounds.least_mass.unwrap_or(OF_DEVICE),
         });
         let usual = if hand.is_some() {
             HAND_GUARD_ALLOWANCE
@@ -92,8 +92,10 @@ pub fn guard_of_device(guard: Guard<f64>, device_mass: Option<f64>, quantum: f64
     let complete = |params: GuardParams<f64>| GuardParams {
         hand: params.hand.map(|hand| HandBound {
             least_mass: match device_mass {
-                Some(mass) if hand.least_mass == 0.0 => 0.5 * mass,
-                _ => hand.least_mass,
+                _ if hand.least_mass != OF_DEVICE => hand.least_mass,
+                Some(mass) => 0.5 * mass,
+                // The renderer rejects it.
+                None => 0.0,
             },
             ..hand
         }),
@@ -106,6 +108,9 @@ pub fn guard_of_device(guard: Guard<f64>, device_mass: Option<f64>, quantum: f64
         Guard::Limit(params) => Guard::Limit(complete(params)),
     }
 }
+
+/// Placeholder for a least mass or inertia that the devices determine.
+pub(crate) const OF_DEVICE: f64 = f64::NEG_INFINITY;
 
 /// Default device speed of a guard `[m/s]`: a brisk hand.
 pub const GUARD_SPEED: f64 = 1.0;

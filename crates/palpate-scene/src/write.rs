@@ -10,6 +10,7 @@ use super::{
     Delay, Dropped, Grip, Hand, HandForceAt, Intention, Jitter, Measure, Model, PantographDevice,
     PointMassDevice, Scene, SceneDevice, Timing, Wave,
 };
+use crate::guard::OF_DEVICE;
 use crate::method::{MethodName, Settings};
 
 /// Part of a scene for which scene files have no key.
@@ -428,7 +429,7 @@ impl File {
         );
         if let Some(hand) = params.hand {
             table += &format!(", acceleration_m_per_s2 = {:?}", hand.acceleration);
-            if hand.least_mass != 0.0 {
+            if hand.least_mass != OF_DEVICE {
                 table += &format!(", least_mass_kg = {:?}", hand.least_mass);
             }
         }

@@ -570,7 +570,7 @@ fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted()
             ["--guard-acceleration", "above 0"],
         ),
         (
-            "--guard-acceleration 80 --guard-mass -1",
+            "--guard-acceleration 80 --guard-mass 0",
             ["--guard-mass", "above 0"],
         ),
         ("--guard-recovery -1", ["--guard-recovery", "at least 0"]),

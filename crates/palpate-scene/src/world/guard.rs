@@ -6,7 +6,7 @@ use toml::Spanned;
 
 use super::file::Reading;
 use super::{WorldDevice, WorldScene};
-use crate::guard::{GUARD_RECOVERY, GUARD_SPEED, GuardMode};
+use crate::guard::{GUARD_RECOVERY, GUARD_SPEED, GuardMode, OF_DEVICE};
 use crate::render_key::RawGuard;
 
 /// Default angular speed of a guard `[rad/s]`: a brisk wrist.
@@ -41,9 +41,9 @@ pub fn usual_guard() -> WorldGuardParams {
 pub fn hand_guard(acceleration: f64) -> WorldHandBound {
     WorldHandBound {
         acceleration,
-        turning: 0.0,
-        least_mass: [0.0; 3],
-        least_inertia: 0.0,
+        turning: OF_DEVICE,
+        least_mass: [OF_DEVICE; 3],
+        least_inertia: OF_DEVICE,
     }
 }
 
@@ -93,13 +93,10 @@ impl WorldScene {
         let inertia = self.render.device_inertia.iter().flatten().flatten();
         let inertia = inertia.copied().fold(f64::INFINITY, f64::min);
         let turns = self.devices.iter().any(|device| device.turning.is_some());
-        let or = |given: f64, otherwise: f64| if given == 0.0 { otherwise } else { given };
+        let or = |given: f64, otherwise: f64| if given == OF_DEVICE { otherwise } else { given };
         WorldHandBound {
-            turning: if turns {
-                hand.turning
-            } else {
-                or(hand.turning, 1.0)
-            },
+            // The renderer rejects 0: no device determines it.
+            turning: or(hand.turning, if turns { 0.0 } else { 1.0 }),
             least_mass: [0, 1, 2].map(|axis| or(hand.least_mass[axis], half_of(mass[axis]))),
             least_inertia: or(hand.least_inertia, half_of(inertia)),
             ..hand
@@ -191,9 +188,9 @@ impl Reading {
             positive,
         );
         let hand = acceleration.map(|acceleration| WorldHandBound {
-            turning: angular.unwrap_or(0.0),
-            least_mass: [mass.unwrap_or(0.0); 3],
-            least_inertia: inertia.unwrap_or(0.0),
+            turning: angular.unwrap_or(OF_DEVICE),
+            least_mass: [mass.unwrap_or(OF_DEVICE); 3],
+            least_inertia: inertia.unwrap_or(OF_DEVICE),
             ..hand_guard(acceleration)
         });
         let params = WorldGuardParams {

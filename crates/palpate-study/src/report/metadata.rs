@@ -175,7 +175,11 @@ pub fn plant_metadata(scene: &Scene) -> Vec<(String, String)> {
 fn bounds(guard: &GuardParams<f64>) -> String {
     let mut text = format!("{} m/s, {} J", guard.largest_speed, guard.allowance);
     if let Some(hand) = guard.hand {
-        text += &format!(", {} m/s^2 on {} kg", hand.acceleration, hand.least_mass);
+        text += &format!(", {} m/s^2 on ", hand.acceleration);
+        text += &match hand.least_mass {
+            mass if mass.is_finite() => format!("{mass} kg"),
+            _ => "half the model mass".into(),
+        };
     }
     if guard.recovery != GUARD_RECOVERY {
         text += &format!(", recovery {} W", guard.recovery);

@@ -62,8 +62,8 @@ fn guard_values_have_ranges_and_belong_together() {
             "render.guard.acceleration_m_per_s2 is 0 m/s^2, but must be finite and greater than 0",
         ),
         (
-            "acceleration_m_per_s2 = 80, least_mass_kg = -1",
-            "render.guard.least_mass_kg is -1 kg, but must be finite and greater than 0",
+            "acceleration_m_per_s2 = 80, least_mass_kg = 0",
+            "render.guard.least_mass_kg is 0 kg, but must be finite and greater than 0",
         ),
         (
             "recovery_w = -1",

@@ -3,7 +3,7 @@
 
 mod devices;
 
-use palpate_scene::world::{WorldActuator, WorldFile, usual_guard};
+use palpate_scene::world::{WorldActuator, WorldFile, hand_guard, usual_guard};
 use palpate_scene::{ContactFile, SceneFile};
 use palpate_world::{Motion, Party, Shape, WorldGuard, WorldGuardParams, WorldHandBound};
 
@@ -389,10 +389,8 @@ fn a_guard_is_read_and_its_faults_are_said() {
     };
     assert_eq!(read(all), WorldGuard::Report(params));
     let hand = WorldHandBound {
-        acceleration: 80.0,
-        turning: 0.0,
         least_mass: [0.1; 3],
-        least_inertia: 0.0,
+        ..hand_guard(80.0)
     };
     let params = WorldGuardParams {
         recovery: 0.0,
