@@ -43,11 +43,7 @@ pub fn loop_params() -> LoopParams<f32> {
     LoopParams {
         speed_limit: Some(3.0),
         slew_limit: Some(3000.0),
-        guard: Guard::Limit(GuardParams {
-            largest_speed: 1.0,
-            allowance: 1e-3,
-            hand: None,
-        }),
+        guard: Guard::Limit(GuardParams::by_speed(1.0, 1e-3)),
         ..LoopParams::new(PERIOD).with_force_limit(5.0)
     }
 }
