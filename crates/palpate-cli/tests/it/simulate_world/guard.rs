@@ -1,7 +1,7 @@
 //! The guard of a world, by flags and in its file.
 
 use super::{BALL, error};
-use crate::common::Folder;
+use crate::common::{Folder, schema};
 
 #[test]
 fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted() {
