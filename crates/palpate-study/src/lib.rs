@@ -4,7 +4,8 @@
 //! device. Each study takes scenes ([`palpate_scene`]) and methods, runs them on the bench of [`sim`], and returns
 //! the numbers. [`tune`] varies a method's damping, [`heights`] the start height, and [`sweep`] one quantity of a
 //! scene. [`suite`] evaluates methods on random plants. [`map`] computes which contacts can be rendered, and
-//! [`advise`] whether one device can render one contact. [`claims`] checks the numbers of the paper. [`calibrate`]
+//! [`advise`] whether one device can render one contact, and [`impedance`] what a hand
+//! feels in it. [`claims`] checks the numbers of the paper. [`calibrate`]
 //! measures the parameters of a device, [`calibrated`] calibrates the device of a scene, and [`hand_replay`] replays a recorded hand under another force.
 //!
 //! Reports are types: [`report::Report`] of runs, [`compare::Comparison`] of runs on several scenes, the reports of
@@ -23,6 +24,7 @@ pub mod compare;
 pub mod device_loop;
 pub mod hand_replay;
 pub mod heights;
+pub mod impedance;
 mod json;
 pub mod map;
 pub mod recording;

@@ -8,6 +8,7 @@ mod checks;
 mod contact;
 mod date;
 mod device;
+mod felt;
 mod reach;
 mod text;
 mod ticks;
@@ -24,6 +25,7 @@ pub use checks::{Check, Outcome};
 pub use contact::{ContactCard, Curve};
 pub use date::utc;
 pub use device::{DeviceCard, NumberCard};
+pub use felt::{EffectiveCard, FeltCard, FeltPointCard, MethodFeltCard};
 pub use reach::{MethodReachCard, ReachCard};
 pub use timing::{Distribution, Histogram, TimingCard};
 
@@ -63,6 +65,8 @@ pub struct Card {
     pub calibration: Option<CalibrationCard>,
     /// Renderable contacts; none if a required value is unknown.
     pub reach: Option<ReachCard>,
+    /// What a hand feels in contacts, and the stable stiffness over damping; none if a required value is unknown.
+    pub felt: Option<FeltCard>,
     /// A recorded or simulated contact, if any.
     pub contact: Option<ContactCard>,
     /// Reasons why there is no contact, or no recorded one.
@@ -187,6 +191,8 @@ impl Card {
         begins("renderable contacts");
         let step = || progress(CardProgress::Step);
         let reach = ReachCard::new(&device, &deviations, stiffness, sources.methods, step)?;
+        begins("felt impedance");
+        let felt = FeltCard::new(&device, &deviations, stiffness, sources.methods)?;
         let mut card = Self {
             format: FORMAT,
             palpate_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -196,6 +202,7 @@ impl Card {
             timing,
             calibration,
             reach,
+            felt,
             contact,
             no_contact,
             checks: Vec::new(),

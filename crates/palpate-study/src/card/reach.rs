@@ -157,11 +157,11 @@ impl ReachCard {
 }
 
 /// Properties of a device that the limits depend on.
-struct Properties {
+pub(super) struct Properties {
     /// Mass of the device `[kg]`.
-    mass: f64,
+    pub(super) mass: f64,
     /// Period of its loop `[s]`.
-    period: f64,
+    pub(super) period: f64,
     /// Delay of its loop `[s]`.
     delay: f64,
     /// Lag of its motor `[s]`.
@@ -176,7 +176,7 @@ struct Properties {
 
 impl Properties {
     /// Returns the properties of `device`; `None` if its mass or its period is unknown.
-    fn of(device: &DeviceCard) -> Option<Self> {
+    pub(super) fn of(device: &DeviceCard) -> Option<Self> {
         let (Some(mass), Some(period)) = (device.value("device_mass_kg"), device.value("period_s"))
         else {
             return None;
@@ -204,7 +204,7 @@ impl Properties {
     }
 
     /// Returns the bounce of a wall of `stiffness` `[N/m]` on the device.
-    fn bounce(&self, deviations: &Model, stiffness: f64) -> Bounce {
+    pub(super) fn bounce(&self, deviations: &Model, stiffness: f64) -> Bounce {
         let map = MapParams::default();
         Bounce {
             device: BounceDevice {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use comfy_table::{Cell, CellAlignment};
 
-use super::{Card, Outcome};
+use super::{Card, EffectiveCard, FeltPointCard, MethodFeltCard, Outcome};
 use crate::advise::Reach;
 use crate::text::{counted, digits, lines, number, percent, plain_table, wrapped};
 
@@ -37,6 +37,10 @@ impl fmt::Display for Card {
             }
             writeln!(f, "\n{}\n", lines(&table))?;
             writeln!(f, "{}", wrapped(&reach.in_words()))?;
+        }
+        if let Some(felt) = &self.felt {
+            writeln!(f, "\n{}\n", lines(&felt.table()))?;
+            writeln!(f, "{}", wrapped(&felt.in_words()))?;
         }
         if let Some(contact) = &self.contact {
             let percent = |value: Option<f64>| value.map_or_else(|| "-".into(), percent);
@@ -109,6 +113,72 @@ impl Card {
             }
         }
         table
+    }
+}
+
+impl super::FeltCard {
+    /// Returns the shown entry of each line: the highest frequency up to 10 Hz, at which a hand still guides a device.
+    fn shown(points: &[FeltPointCard]) -> Option<&FeltPointCard> {
+        points.iter().rev().find(|point| point.frequency_hz <= 10.0)
+    }
+
+    fn table(&self) -> comfy_table::Table {
+        let header = [
+            "felt by a hand",
+            "wall at\nHz",
+            "stiffness\nN/m",
+            "damping\nN s/m",
+            "object at\nHz",
+            "mass\nkg",
+            "damping\nN s/m",
+        ];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        let mut row =
+            |name: &str, of: fn(&FeltPointCard) -> Option<EffectiveCard>, from: &MethodFeltCard| {
+                let mut cells = vec![Cell::new(name)];
+                for (points, first) in [
+                    (
+                        &from.wall,
+                        (|part| part.stiffness_n_per_m) as fn(EffectiveCard) -> f64,
+                    ),
+                    (&from.object, |part| part.mass_kg),
+                ] {
+                    let point = Self::shown(points);
+                    let part = point.and_then(of);
+                    cells.push(number(point.map(|point| point.frequency_hz), digits));
+                    cells.push(number(part.map(first), digits));
+                    cells.push(number(part.map(|part| part.damping_n_s_per_m), digits));
+                }
+                table.add_row(cells);
+            };
+        if let Some(first) = self.methods.first() {
+            row("wanted", |point| point.wanted, first);
+        }
+        for method in &self.methods {
+            row(method.method, |point| point.rendered, method);
+        }
+        table
+    }
+
+    /// Returns the conditions of the computation, and the Z-width, in words.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let width = match self.stiffest() {
+            Some((stiffness, damping)) => format!(
+                "The stiffest stable wall of virtual-damper has {} N/m, with a damping of {} N s/m",
+                digits(stiffness),
+                digits(damping)
+            ),
+            None => "No wall of virtual-damper is stable".to_owned(),
+        };
+        format!(
+            "Felt: force over displacement of a hand that oscillates in a contact of {} N/m, pressed with {} N, without \
+             the device itself; the object has the mass of the device, {} kg. Negative damping gives out energy. {width} \
+             (Z-width).",
+            digits(self.stiffness_n_per_m),
+            digits(self.pressed_with_n),
+            digits(self.object_mass_kg)
+        )
     }
 }
 

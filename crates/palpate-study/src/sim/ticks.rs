@@ -13,6 +13,7 @@ use palpate_testbed::measure::Sampler;
 use palpate_testbed::sprung_mass::SprungMass;
 use palpate_testbed::viscous_mass::ViscousMass;
 
+use crate::impedance::ImposedMotion;
 use crate::sim::closed_loop::LoopError;
 use crate::sim::plant::Plant;
 use crate::sim::sampled_loop::{LoopDevice, SampledLoop};
@@ -62,6 +63,7 @@ enum Kind {
     Free(PointMass),
     Viscous(ViscousMass),
     Sprung(SprungMass),
+    Imposed(ImposedMotion),
     General(Box<Plant>),
 }
 
@@ -80,6 +82,12 @@ impl From<ViscousMass> for TickedDevice {
 impl From<SprungMass> for TickedDevice {
     fn from(device: SprungMass) -> Self {
         Self(Kind::Sprung(device))
+    }
+}
+
+impl From<ImposedMotion> for TickedDevice {
+    fn from(device: ImposedMotion) -> Self {
+        Self(Kind::Imposed(device))
     }
 }
 
@@ -103,6 +111,7 @@ impl<'a> TicksParams<'a> {
             Kind::Free(device) => Box::new(self.in_progress(device)?),
             Kind::Viscous(device) => Box::new(self.in_progress(device)?),
             Kind::Sprung(device) => Box::new(self.in_progress(device)?),
+            Kind::Imposed(device) => Box::new(self.in_progress(device)?),
             Kind::General(device) => Box::new(self.in_progress(*device)?),
         })
     }

@@ -11,6 +11,7 @@ mod hand_replay;
 mod hard_worlds;
 mod held;
 mod human;
+mod impedance;
 mod imperfect;
 mod linkages;
 mod loops;

@@ -3,7 +3,10 @@
 use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series, Size, SizeError, svg};
 use palpate_study::advise::Reach;
 use palpate_study::calibration::MotionCard;
-use palpate_study::card::{ContactCard, Distribution, MethodReachCard, ReachCard};
+use palpate_study::card::{
+    ContactCard, Distribution, EffectiveCard, FeltCard, FeltPointCard, MethodFeltCard,
+    MethodReachCard, ReachCard,
+};
 
 use super::escape::escaped;
 
@@ -157,6 +160,50 @@ impl Figures {
         )
     }
 
+    /// Draws stiffness and damping of a wall, and mass and damping of an object, over the frequency.
+    pub fn felt(&mut self, felt: &FeltCard) -> Result<[String; 2], SizeError> {
+        let wall = felt_figure(
+            felt,
+            |method| &method.wall,
+            ("stiffness [N/mm]", |part| 1e-3 * part.stiffness_n_per_m),
+        );
+        let object = felt_figure(
+            felt,
+            |method| &method.object,
+            ("mass [g]", |part| 1e3 * part.mass_kg),
+        );
+        Ok([
+            self.draw(&wall, "85x80", "Felt stiffness and damping of a wall")?,
+            self.draw(&object, "85x80", "Felt mass and damping of an object")?,
+        ])
+    }
+
+    /// Draws the stable stiffness over the damping of a wall.
+    pub fn z_width(&mut self, felt: &FeltCard) -> Result<String, SizeError> {
+        let limits = felt.stable_n_per_m.iter();
+        let figure = Figure {
+            x_label: "damping of the wall [N s/m]".into(),
+            rows: vec![Row {
+                y_label: "stable below [N/mm]".into(),
+                limits: Limits::Data,
+                panels: vec![Panel {
+                    series: vec![Series {
+                        name: String::new(),
+                        kind: Kind::Line,
+                        role: Role::Compared(0),
+                        x: felt.damping_n_s_per_m.clone(),
+                        y: limits
+                            .map(|limit| 1e-3 * limit.value.unwrap_or(0.0))
+                            .collect(),
+                    }],
+                }],
+                ..Row::default()
+            }],
+            ..Figure::default()
+        };
+        self.draw(&figure, "85x50", "Stable stiffness over damping")
+    }
+
     /// Draws positions, forces and energy of a contact.
     pub fn contact(&mut self, contact: &ContactCard) -> Result<String, SizeError> {
         let begins = contact.begins_s;
@@ -209,5 +256,66 @@ impl Figures {
             "110x92",
             "A contact: positions, force and created energy",
         )
+    }
+}
+
+/// Returns the figure of one contact by all methods: `first` is the label and the value of its upper row.
+fn felt_figure(
+    felt: &FeltCard,
+    points: fn(&MethodFeltCard) -> &Vec<FeltPointCard>,
+    first: (&str, fn(EffectiveCard) -> f64),
+) -> Figure {
+    let line = |name: &str,
+                role: Role,
+                method: &MethodFeltCard,
+                of: fn(&FeltPointCard) -> Option<EffectiveCard>,
+                value: fn(EffectiveCard) -> f64| Series {
+        name: name.into(),
+        kind: Kind::Line,
+        role,
+        x: (points(method).iter())
+            .map(|point| point.frequency_hz.log10())
+            .collect(),
+        y: (points(method).iter())
+            .map(|point| of(point).map_or(f64::NAN, value))
+            .collect(),
+    };
+    let row = |label: &str, value: fn(EffectiveCard) -> f64, is_named: bool| {
+        let name = |name: &'static str| if is_named { name } else { "" };
+        let wanted = felt.methods.first().map(|method| {
+            line(
+                name("wanted"),
+                Role::Reference,
+                method,
+                |point| point.wanted,
+                value,
+            )
+        });
+        let rendered = felt.methods.iter().enumerate().map(|(number, method)| {
+            line(
+                name(method.method),
+                Role::Compared(number),
+                method,
+                |point| point.rendered,
+                value,
+            )
+        });
+        Row {
+            y_label: label.into(),
+            limits: Limits::Data,
+            panels: vec![Panel {
+                series: wanted.into_iter().chain(rendered).collect(),
+            }],
+            ..Row::default()
+        }
+    };
+    Figure {
+        x_label: "frequency of the hand [Hz]".into(),
+        x_decades: true,
+        rows: vec![
+            row(first.0, first.1, true),
+            row("damping [N s/m]", |part| part.damping_n_s_per_m, false),
+        ],
+        ..Figure::default()
     }
 }

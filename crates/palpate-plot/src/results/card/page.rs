@@ -49,6 +49,9 @@ pub fn html(card: &Card) -> Result<String, SizeError> {
             &sections::reach(reach, &mut figures)?,
         );
     }
+    if let Some(felt) = &card.felt {
+        section("Felt contacts", &sections::felt(felt, &mut figures)?);
+    }
     if card.contact.is_none() {
         section("No contact", &sections::no_contact(card));
     }

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use palpate_study::advise::Reach;
 use palpate_study::card::{
-    CalibrationCard, Card, Check, ContactCard, DeviceCard, Distribution, Outcome, ReachCard,
-    TimingCard,
+    CalibrationCard, Card, Check, ContactCard, DeviceCard, Distribution, FeltCard, Outcome,
+    ReachCard, TimingCard,
 };
 use palpate_study::text::{digits, percent};
 
@@ -295,6 +295,20 @@ pub fn reach(of: &ReachCard, figures: &mut Figures) -> Result<String, SizeError>
         &figures.reach(of)?,
         "Stiffest contact over the mass of the object. A method without a line renders no contact; a line at the top \
          continues beyond the plot.",
+    ));
+    Ok(text + "</div>\n")
+}
+
+/// Describes what a hand feels in contacts.
+pub fn felt(of: &FeltCard, figures: &mut Figures) -> Result<String, SizeError> {
+    let [wall, object] = figures.felt(of)?;
+    let mut text = format!("<p class=\"small\">{}</p>\n", escaped(&of.in_words()));
+    text.push_str("<div class=\"three\">\n");
+    text.push_str(&figure(&wall, "A wall over the frequency of the hand."));
+    text.push_str(&figure(&object, "An object as heavy as the device."));
+    text.push_str(&figure(
+        &figures.z_width(of)?,
+        "Z-width: the stiffest stable wall of virtual-damper over its damping.",
     ));
     Ok(text + "</div>\n")
 }
