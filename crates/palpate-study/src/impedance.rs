@@ -17,7 +17,7 @@ use crate::sim::sampled_loop::LoopDevice;
 use crate::sim::ticks::{TicksParams, Way};
 
 /// Amplitude of the ideal force over the pressing force: below 1, so that the contact never opens.
-const FORCE_SHARE: f64 = 0.6;
+const FORCE_SHARE: f64 = 0.4;
 
 /// Largest amplitude of the imposed displacement `[m]`: a light object yields to any displacement.
 const MAX_AMPLITUDE: f64 = 0.01;

@@ -135,8 +135,8 @@ pub struct SweepArguments {
     /// Compared methods.
     #[command(flatten)]
     pub compared: Compared,
-    /// Write a row for each value and method to a CSV file
-    #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    /// Write a row for each value and method to a table (.csv; .md and .tex round it)
+    #[arg(long, value_name = "FILE.csv|md|tex", value_hint = ValueHint::FilePath, help_heading = "Results")]
     pub out: Option<PathBuf>,
     /// The figure of the errors over the values.
     #[command(flatten)]
@@ -172,8 +172,8 @@ pub struct CompareArguments {
     /// Several seeds.
     #[command(flatten)]
     pub several: SeedFlags,
-    /// Write the table to a CSV file
-    #[arg(long, value_name = "TABLE.csv", value_hint = ValueHint::FilePath)]
+    /// Write the table to a file (.csv; .md and .tex round it)
+    #[arg(long, value_name = "TABLE.csv|md|tex", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
     /// The figure of the force errors.
     #[command(flatten)]
@@ -204,8 +204,8 @@ pub struct TuneArguments {
     /// The curve.
     #[command(flatten)]
     pub curve: CurveArguments,
-    /// Write a row for each tried value to a CSV file
-    #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    /// Write a row for each tried value to a table (.csv; .md and .tex round it)
+    #[arg(long, value_name = "FILE.csv|md|tex", value_hint = ValueHint::FilePath, help_heading = "Results")]
     pub out: Option<PathBuf>,
     /// The figure of the curve.
     #[command(flatten)]
@@ -303,8 +303,8 @@ pub struct HeightsArguments {
     /// Compared methods.
     #[command(flatten)]
     pub compared: Compared,
-    /// Write a row for each scene and method to a CSV file
-    #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    /// Write a row for each scene and method to a table (.csv; .md and .tex round it)
+    #[arg(long, value_name = "FILE.csv|md|tex", value_hint = ValueHint::FilePath, help_heading = "Results")]
     pub out: Option<PathBuf>,
     /// Overwriting of existing files.
     #[command(flatten)]

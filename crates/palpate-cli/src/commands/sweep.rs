@@ -11,7 +11,7 @@ use palpate_study::sweep::report::SweepReport;
 use palpate_study::sweep::{
     Quantity, SweepError, WorldSweepError, sweep, sweep_scenes, sweep_worlds, table::COLUMNS,
 };
-use palpate_study::table;
+use palpate_study::table::TableFormat;
 use palpate_study::tune::tunable;
 
 use super::simulate::{read_any, read_scene, read_text};
@@ -216,7 +216,9 @@ fn deliver(
     mut report: SweepReport,
 ) -> Result<(), Failure> {
     if let Some(out) = &arguments.out {
-        outputs.write(out, |writer| table::write(writer, &COLUMNS, report.rows()))?;
+        outputs.write(out, |writer| {
+            TableFormat::from_path(out).write(writer, &COLUMNS, report.rows())
+        })?;
         report.wrote(out);
     }
     if let Some(path) = &arguments.picture.plot {

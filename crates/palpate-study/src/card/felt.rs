@@ -34,7 +34,8 @@ pub struct FeltCard {
     pub methods: Vec<MethodFeltCard>,
     /// Dampings of a wall by `virtual-damper` `[N s/m]`.
     pub damping_n_s_per_m: Vec<f64>,
-    /// Maximum stiffness of a stable wall, per damping `[N/m]`: the Z-width of the device.
+    /// Maximum stiffness of a wall that is stable and steady while it is pressed, per damping `[N/m]`: the Z-width of the
+    /// device.
     pub stable_n_per_m: Vec<Reach>,
 }
 
@@ -138,7 +139,9 @@ impl FeltCard {
             .map(|damping| {
                 let damped =
                     Settings::default().with(SettingKey::DAMPING, ParameterValue::Number(damping));
-                Ok(wall.stiffest(MethodName::VirtualDamper, damped)?.into())
+                Ok(wall
+                    .stiffest_steady(MethodName::VirtualDamper, damped)?
+                    .into())
             })
             .collect();
         Ok(Some(Self {

@@ -8,6 +8,9 @@ use super::{Card, EffectiveCard, FeltPointCard, MethodFeltCard, Outcome};
 use crate::advise::Reach;
 use crate::text::{counted, digits, lines, number, percent, plain_table, wrapped};
 
+/// Highest frequency of the table of felt contacts `[Hz]`.
+const MAX_GUIDED_HZ: f64 = 10.0;
+
 impl fmt::Display for Card {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", wrapped(&format!("Device: {}", self.device.name)))?;
@@ -117,11 +120,6 @@ impl Card {
 }
 
 impl super::FeltCard {
-    /// Returns the shown entry of each line: the highest frequency up to 10 Hz, at which a hand still guides a device.
-    fn shown(points: &[FeltPointCard]) -> Option<&FeltPointCard> {
-        points.iter().rev().find(|point| point.frequency_hz <= 10.0)
-    }
-
     fn table(&self) -> comfy_table::Table {
         let header = [
             "felt by a hand",
@@ -133,29 +131,28 @@ impl super::FeltCard {
             "damping\nN s/m",
         ];
         let mut table = plain_table(CellAlignment::Left, &header);
-        let mut row =
-            |name: &str, of: fn(&FeltPointCard) -> Option<EffectiveCard>, from: &MethodFeltCard| {
-                let mut cells = vec![Cell::new(name)];
-                for (points, first) in [
-                    (
-                        &from.wall,
-                        (|part| part.stiffness_n_per_m) as fn(EffectiveCard) -> f64,
-                    ),
-                    (&from.object, |part| part.mass_kg),
-                ] {
-                    let point = Self::shown(points);
-                    let part = point.and_then(of);
-                    cells.push(number(point.map(|point| point.frequency_hz), digits));
-                    cells.push(number(part.map(first), digits));
-                    cells.push(number(part.map(|part| part.damping_n_s_per_m), digits));
-                }
-                table.add_row(cells);
-            };
+        type Part = fn(&FeltPointCard) -> Option<EffectiveCard>;
+        let mut add_row = |name: &str, part: Part, from: &MethodFeltCard| {
+            // A wall at the highest frequency at which a hand still guides a device, an object where it is felt as a mass.
+            let guided = |point: &&FeltPointCard| point.frequency_hz <= MAX_GUIDED_HZ;
+            let wall = from.wall.iter().rev().find(guided);
+            let object = from.object.first();
+            let (of_wall, of_object) = (wall.and_then(part), object.and_then(part));
+            table.add_row([
+                Cell::new(name),
+                number(wall.map(|point| point.frequency_hz), digits),
+                number(of_wall.map(|part| part.stiffness_n_per_m), digits),
+                number(of_wall.map(|part| part.damping_n_s_per_m), digits),
+                number(object.map(|point| point.frequency_hz), digits),
+                number(of_object.map(|part| part.mass_kg), digits),
+                number(of_object.map(|part| part.damping_n_s_per_m), digits),
+            ]);
+        };
         if let Some(first) = self.methods.first() {
-            row("wanted", |point| point.wanted, first);
+            add_row("wanted", |point| point.wanted, first);
         }
         for method in &self.methods {
-            row(method.method, |point| point.rendered, method);
+            add_row(method.method, |point| point.rendered, method);
         }
         table
     }

@@ -42,15 +42,37 @@ impl Bounce {
     /// # Errors
     /// The bench or the method rejects a parameter.
     pub fn stiffest(&self, method: MethodName, settings: Settings) -> Result<Limit, BounceError> {
+        self.stiffest_where(|contact| contact.is_stable(method, settings))
+    }
+
+    fn stiffest_where(
+        &self,
+        mut holds: impl FnMut(&Self) -> Result<bool, BounceError>,
+    ) -> Result<Limit, BounceError> {
         let per_kappa = self.device.mass / (self.period * self.period);
         let limit = hardest(|kappa| {
-            Self {
+            holds(&Self {
                 stiffness: kappa * per_kappa,
                 ..*self
-            }
-            .is_stable(method, settings)
+            })
         })?;
         Ok(limit.map(|kappa| kappa * per_kappa))
+    }
+
+    /// Returns [`Self::stiffest`] of the contacts that are also [steady](super::Stay::is_steady_pressed) while they are
+    /// pressed: a strong damper oscillates in a held contact although its bounces lose energy.
+    ///
+    /// # Errors
+    /// The bench or the method rejects a parameter.
+    pub fn stiffest_steady(
+        &self,
+        method: MethodName,
+        settings: Settings,
+    ) -> Result<Limit, BounceError> {
+        self.stiffest_where(|contact| {
+            Ok(contact.stay(method, settings)?.0.is_steady_pressed()
+                && contact.is_stable(method, settings)?)
+        })
     }
 
     /// Returns [`Self::stiffest`], and the largest stiffness `[N/m]` at which the mean-force error E is also below

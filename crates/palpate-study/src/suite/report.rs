@@ -6,6 +6,7 @@ use std::path::Path;
 use comfy_table::{Cell, CellAlignment, Table};
 use serde::Serialize;
 
+use super::paired::{Median, Paired, paired};
 use super::summary::summary_of;
 use super::{COLLISIONS, Column, Condition, Evaluated, Score, Set, Summary, plants, scores};
 use crate::spread::Spread;
@@ -84,6 +85,11 @@ pub struct ConditionReport {
     pub condition: Option<String>,
     /// Mean-force error E `[%]`.
     pub mean_force_error_percent: Quantiles,
+    /// Interval of the median of E over the plants `[%]`.
+    pub median_interval_percent: Option<Median>,
+    /// Comparison with the column with the least median, plant by plant; none for that column.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub more_than_least: Option<Paired>,
     /// FRE over the zero-order-hold bound.
     pub error_over_bound: Quantiles,
     /// Peak force over that of the ideal.
@@ -148,7 +154,12 @@ pub struct Quantiles {
 }
 
 impl ConditionReport {
-    fn new(condition: Condition, summary: &Summary, of_seeds: &[Summary]) -> Self {
+    fn new(
+        condition: Condition,
+        summary: &Summary,
+        of_seeds: &[Summary],
+        (interval, more_than_least): (Option<Median>, Option<Paired>),
+    ) -> Self {
         let [median, three_quarters, nine_tenths, largest] = summary.error;
         Self {
             delay_samples: condition.delay(),
@@ -163,6 +174,8 @@ impl ConditionReport {
                 quantile_90: Some(nine_tenths),
                 largest: Some(largest),
             },
+            median_interval_percent: interval,
+            more_than_least,
             error_over_bound: Quantiles {
                 median: summary.error_over_bound[0],
                 quantile_90: Some(summary.error_over_bound[1]),
@@ -225,6 +238,9 @@ impl SuiteReport {
         of_seeds: &[Vec<Score>],
     ) -> Self {
         let conditions = set.conditions();
+        let pairs: Vec<Vec<Option<Paired>>> = (0..conditions.len())
+            .map(|place| paired(scores, columns.len(), place))
+            .collect();
         let reports = |index: usize, of_delays: bool| -> Vec<ConditionReport> {
             let places = conditions.iter().enumerate();
             places
@@ -235,7 +251,12 @@ impl SuiteReport {
                         .iter()
                         .filter_map(|scores| summary_of(scores, index, place))
                         .collect();
-                    Some(ConditionReport::new(*condition, &summary, &of_seeds))
+                    let of = |score: &&Score| score.column == index && score.condition == place;
+                    let errors = scores.iter().filter(of).map(|score| score.error);
+                    let certainty = (Median::new(errors.collect()), pairs[place][index]);
+                    Some(ConditionReport::new(
+                        *condition, &summary, &of_seeds, certainty,
+                    ))
                 })
                 .collect()
         };
@@ -295,6 +316,10 @@ fn redrawn(score: &Score) -> u64 {
     u64::from(score.redrawn)
 }
 
+/// Explanation of the last columns.
+const CERTAINTY: &str = "95 %: interval of the median over all plants. Over least median: E minus that of the method \
+    with the least median, plant by plant (95 % of its median); worse plants have a larger E than that method.";
+
 impl fmt::Display for SuiteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let seeds = self.seeds.map_or_else(
@@ -336,7 +361,7 @@ impl fmt::Display for SuiteReport {
                 writeln!(f, "{}{same}", if columns.is_empty() { "" } else { "\n" })?;
             }
         }
-        writeln!(f, "\n{}\n", legend(&[E, FRE]))?;
+        writeln!(f, "\n{}\n", legend(&[E, FRE, CERTAINTY]))?;
         if self.seeds.is_none() {
             writeln!(
                 f,
@@ -366,6 +391,9 @@ fn quantile_table(columns: &[(&str, &ConditionReport)]) -> Table {
         "peak/ideal median",
         "max",
         "diverged",
+        "median, 95 %",
+        "over least median",
+        "worse plants",
         "limited plants",
         "samples %",
     ];
@@ -387,6 +415,7 @@ fn quantile_table(columns: &[(&str, &ConditionReport)]) -> Table {
             ratio(found.peak_over_ideal_peak.largest),
             number(Some(found.diverged as f64), |count| count.to_string()),
         ];
+        cells.extend(certainty(found));
         if limited {
             let count = |count: f64| count.to_string();
             cells.push(number(Some(found.limited_plants as f64), count));
@@ -395,6 +424,24 @@ fn quantile_table(columns: &[(&str, &ConditionReport)]) -> Table {
         table.add_row(cells);
     }
     table
+}
+
+/// Returns the interval of a median over the plants, and the comparison with the least median plant by plant.
+fn certainty(found: &ConditionReport) -> [Cell; 3] {
+    let interval = |of: Median| format!("{}-{}", percent(of.low), percent(of.high));
+    let (over, worse) = found.more_than_least.map_or_else(
+        || ("-".to_owned(), "-".to_owned()),
+        |paired| {
+            let difference = paired.difference_percent;
+            let median = percent(difference.median);
+            (
+                format!("{median} ({})", interval(difference)),
+                paired.worse_plants.to_string(),
+            )
+        },
+    );
+    let own = found.median_interval_percent.map_or("-".into(), interval);
+    [own, over, worse].map(|cell| Cell::new(cell).set_alignment(CellAlignment::Right))
 }
 
 /// Returns the spread of each column's quantiles over the seeds.
@@ -406,6 +453,9 @@ fn spread_table(columns: &[(&str, &ConditionReport)]) -> Table {
         "max",
         "FRE/bound median",
         "diverged",
+        "median, 95 %",
+        "over least median",
+        "worse plants",
     ];
     let mut table = plain_table(CellAlignment::Left, &header);
     for (name, found) in columns {
@@ -422,6 +472,7 @@ fn spread_table(columns: &[(&str, &ConditionReport)]) -> Table {
                 Cell::new(spread.in_short(decimals)).set_alignment(CellAlignment::Right)
             }));
         }
+        cells.extend(certainty(found));
         table.add_row(cells);
     }
     table

@@ -16,7 +16,7 @@ use crate::setup::only_for_worlds;
 use palpate_plot as plots;
 use palpate_study::compare::{COLUMNS, Comparison, SceneRows};
 use palpate_study::report::Subject;
-use palpate_study::table;
+use palpate_study::table::TableFormat;
 
 /// Runs every method on every scene.
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
@@ -92,7 +92,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let mut comparison = Comparison::new(scenes);
     if let Some(out) = &arguments.out {
         outputs.write(out, |writer| {
-            table::write(writer, &COLUMNS, comparison.rows())
+            TableFormat::from_path(out).write(writer, &COLUMNS, comparison.rows())
         })?;
         comparison.wrote(out);
     }

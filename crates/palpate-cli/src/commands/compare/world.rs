@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use palpate_record::files::outputs::Outputs;
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_study::table;
+use palpate_study::table::TableFormat;
 use palpate_study::world::compare::{COLUMNS, WorldComparison, WorldRows};
 
 use crate::arguments::CompareArguments;
@@ -57,7 +57,7 @@ pub fn run(
     let mut comparison = WorldComparison::new(scenes);
     if let Some(out) = &arguments.out {
         outputs.write(out, |writer| {
-            table::write(writer, &COLUMNS, comparison.rows())
+            TableFormat::from_path(out).write(writer, &COLUMNS, comparison.rows())
         })?;
         comparison.wrote(out);
     }

@@ -2,7 +2,7 @@
 
 use palpate_study::heights::report::{COLUMNS, HeightsReport, SceneReport};
 use palpate_study::heights::{HeightsError, over_heights};
-use palpate_study::table;
+use palpate_study::table::TableFormat;
 use palpate_study::tune::HEIGHTS;
 
 use crate::arguments::{Flags, HeightsArguments, TimingFlags};
@@ -56,7 +56,9 @@ pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
     drop(progress);
     let mut report = HeightsReport::new(factor, scenes);
     if let Some(out) = &arguments.out {
-        outputs.write(out, |writer| table::write(writer, &COLUMNS, report.rows()))?;
+        outputs.write(out, |writer| {
+            TableFormat::from_path(out).write(writer, &COLUMNS, report.rows())
+        })?;
         report.wrote(out);
     }
     print_report(&report, arguments.json)

@@ -6,7 +6,7 @@ use palpate_record::files::outputs::Outputs;
 use palpate_scene::Scene;
 use palpate_scene::SceneFile;
 use palpate_scene::method::{MethodName, SettingKey};
-use palpate_study::table;
+use palpate_study::table::TableFormat;
 use palpate_study::tune::report::{COLUMNS, TuneReport};
 use palpate_study::tune::{self, HEIGHTS, Objective, TuneError};
 
@@ -72,7 +72,9 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
 
     let mut report = TuneReport::new(&scene, method, setting, objective, points);
     if let Some(out) = &arguments.out {
-        outputs.write(out, |writer| table::write(writer, &COLUMNS, report.rows()))?;
+        outputs.write(out, |writer| {
+            TableFormat::from_path(out).write(writer, &COLUMNS, report.rows())
+        })?;
         report.wrote(out);
     }
     if let Some(path) = &arguments.picture.plot {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use palpate_scene::world::WorldFile;
 use palpate_study::sim::world::{WorldBench, WorldBenchError};
-use palpate_study::table;
+use palpate_study::table::TableFormat;
 use palpate_study::tune::Objective;
 use palpate_study::world::candidates::{Scale, Tunable};
 use palpate_study::world::tune::{COLUMNS, Tuned, WorldTuneReport, tune};
@@ -94,7 +94,9 @@ pub fn run(
     let report = WorldTuneReport::new(scene, &bench, tunable, objective, &tuned);
     let mut report = report.expect("at least one setting was tried");
     if let Some(out) = &arguments.out {
-        outputs.write(out, |writer| table::write(writer, &COLUMNS, report.rows()))?;
+        outputs.write(out, |writer| {
+            TableFormat::from_path(out).write(writer, &COLUMNS, report.rows())
+        })?;
         report.wrote(out);
     }
     if let Some(path) = &arguments.picture.plot {

@@ -314,7 +314,7 @@ fn felt_figure(
         x_decades: true,
         rows: vec![
             row(first.0, first.1, true),
-            row("damping [N s/m]", |part| part.damping_n_s_per_m, false),
+            row("damping [N\u{a0}s/m]", |part| part.damping_n_s_per_m, false),
         ],
         ..Figure::default()
     }
