@@ -47,25 +47,20 @@ impl Median {
     }
 }
 
-/// Returns the largest rank r, from 0, such that the median lies below the r-th smallest of `count` values with at most
-/// half of the probability outside the interval: P(X <= r) of a binomial distribution with probability 1/2. Few values
-/// have no such rank; their interval is their range.
+/// Returns the index of the lower end of the interval among `count` sorted values: k for the largest k with
+/// P(X <= k) <= 2.5 % of a binomial distribution with probability 1/2. Too few values have no such k; the interval is then
+/// their range.
 fn lower_rank(count: usize) -> usize {
     let outside = 0.5 - 0.005 * CONFIDENCE_PERCENT;
     let n = count as f64;
     let logarithm_of_all = libm::lgamma(n + 1.0) - n * std::f64::consts::LN_2;
     let mut below = 0.0;
-    let mut rank = 0;
-    for smaller in 0..count / 2 {
-        let k = smaller as f64;
-        below += (logarithm_of_all - libm::lgamma(k + 1.0) - libm::lgamma(n - k + 1.0)).exp();
-        if below > outside {
-            break;
-        }
-        // At most `smaller` values below the median is unlikely, so the next value is an end of the interval.
-        rank = smaller + 1;
-    }
-    rank.saturating_sub(1)
+    let outside_ranks = (0..count / 2).take_while(|&k| {
+        let k = k as f64;
+        below += libm::exp(logarithm_of_all - libm::lgamma(k + 1.0) - libm::lgamma(n - k + 1.0));
+        below <= outside
+    });
+    outside_ranks.count().saturating_sub(1)
 }
 
 /// Returns the comparison of each column under a `condition`, in the order of the columns; `None` for the column with the
