@@ -318,7 +318,7 @@ fn redrawn(score: &Score) -> u64 {
 
 /// Explanation of the last columns.
 const CERTAINTY: &str = "95 %: interval of the median over all plants. Over least median: E minus that of the method \
-    with the least median, plant by plant (95 % of its median); worse plants have a larger E than that method.";
+    with the least median, plant by plant (95 % of its median); worse: plants with a larger E than that method has.";
 
 impl fmt::Display for SuiteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -388,12 +388,12 @@ fn quantile_table(columns: &[(&str, &ConditionReport)]) -> Table {
         "max",
         "FRE/bound median",
         "90 %",
-        "peak/ideal median",
+        "peak/ideal",
         "max",
         "diverged",
         "median, 95 %",
         "over least median",
-        "worse plants",
+        "worse",
         "limited plants",
         "samples %",
     ];
@@ -455,7 +455,7 @@ fn spread_table(columns: &[(&str, &ConditionReport)]) -> Table {
         "diverged",
         "median, 95 %",
         "over least median",
-        "worse plants",
+        "worse",
     ];
     let mut table = plain_table(CellAlignment::Left, &header);
     for (name, found) in columns {
