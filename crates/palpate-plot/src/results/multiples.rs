@@ -12,6 +12,8 @@ use crate::results::series::{
 
 /// Panels side by side.
 const COLUMNS: usize = 3;
+/// Leak below which a heading shows 0 `[mJ]`: round-off of the sums.
+const ROUND_OFF: f64 = 1e-9;
 /// Role of every run, since each panel has only one.
 const RENDERED: Role = Role::Compared(0);
 
@@ -61,6 +63,7 @@ fn head(run: &Run) -> String {
         return format!("{}: {error}{end}", run.method);
     }
     let leak = JOULE_TO_MILLIJOULE * run.last().ledger.held_leak.absolute;
+    let leak = if leak < ROUND_OFF { 0.0 } else { leak };
     format!("{}: {error}{} mJ", run.method, digits(leak))
 }
 
