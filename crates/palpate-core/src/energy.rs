@@ -49,6 +49,9 @@ pub struct Ledger<S> {
     pub original_leak: Leak<S>,
     /// Leak of the held force, the paper's remaining leak.
     pub held_leak: Leak<S>,
+    /// Part of the held leak that limits explain: an object that does not yield to a limit moves as if the device felt
+    /// the whole force. The device does not deliver this energy.
+    pub limited_leak: Leak<S>,
 }
 
 /// One interval, closed by the sample at its end. Works are positive into the object.
@@ -62,6 +65,8 @@ pub(crate) struct Closing<S> {
     /// Work that the spring force of the interval's start, K p_i or 0, would have done through the port
     /// `[J]`.
     pub original_work: S,
+    /// Fraction of the planned force that reached the device, 0 to 1.
+    pub part_sent: S,
 }
 
 impl<S: Scalar> Ledger<S> {
@@ -80,24 +85,32 @@ impl<S: Scalar> Ledger<S> {
         self.opening + self.port_work + self.virtual_force_work + self.outside_work
     }
 
+    /// Returns the energy generated at the port `[J]`: the held leak without the part that limits explain.
+    pub fn created(&self) -> S {
+        self.held_leak.accumulated - self.limited_leak.accumulated
+    }
+
     /// Records one interval; returns false, without effect, if an entry would overflow.
     #[must_use]
     pub(crate) fn close(&mut self, interval: &Closing<S>) -> bool {
         let unpaid = interval.stored - self.stored - interval.virtual_force_work;
         let original = unpaid - interval.original_work;
         let held = unpaid - interval.port_work;
+        let limited = (S::ONE - interval.part_sent) * unpaid;
         let mut closed = *self;
         closed.stored = interval.stored;
         closed.port_work += interval.port_work;
         closed.virtual_force_work += interval.virtual_force_work;
         closed.original_leak.entry(original);
         closed.held_leak.entry(held);
+        closed.limited_leak.entry(limited);
         // Finite only if every entry is: no leak exceeds the sum of their absolute values.
         let entries = closed.stored
             + closed.port_work.abs()
             + closed.virtual_force_work.abs()
             + closed.original_leak.absolute
-            + closed.held_leak.absolute;
+            + closed.held_leak.absolute
+            + closed.limited_leak.absolute;
         if !entries.is_finite() {
             return false;
         }

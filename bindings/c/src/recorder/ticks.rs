@@ -68,7 +68,7 @@ pub unsafe extern "C" fn palpate_recorder_contact_tick(
             delivered_force: [sent_force, 0.0, 0.0],
             delivered_torque: [0.0; 3],
             generation: 0,
-            created_energy: ledger.held_leak.accumulated,
+            created_energy: ledger.created(),
             flags: said.flags.with(Flags::FAULT, is_refused),
             ..Tick::UNKNOWN
         };
@@ -144,7 +144,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
             delivered_force: sent.force,
             delivered_torque: sent.torque,
             generation: 0,
-            created_energy: state.ledger().created(),
+            created_energy: state.created_at_ports(),
             flags,
             ..Tick::UNKNOWN
         };

@@ -170,7 +170,7 @@ impl Stream {
             position: [if is_used { position } else { 0.0 }, 0.0, 0.0],
             coordinate: if is_used { position } else { 0.0 },
             wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
-            created_energy: self.rendered.ledger().held_leak.accumulated,
+            created_energy: self.rendered.ledger().created(),
             refused: !is_used,
             stalled: false,
         })
@@ -328,7 +328,9 @@ impl Answering for Stream {
 
     fn finish(&mut self) -> (PipeSummary, Option<Messages>) {
         let summary = self.summary.with_ledger(self.rendered.ledger());
-        let summary = summary.with_learned_lateness(self.rendered.learned_lateness());
+        let checks_timing = self.rendered.rendering().checks_timing();
+        let summary =
+            summary.with_learned_lateness(self.rendered.learned_lateness(), checks_timing);
         (summary, self.messages.take())
     }
 }

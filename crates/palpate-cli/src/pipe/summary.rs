@@ -9,6 +9,7 @@ use serde::Serialize;
 use palpate_study::text::{counted, digits};
 
 use crate::pipe::number::millijoules;
+use crate::reports::if_as_modelled;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate pipe 1";
@@ -59,6 +60,9 @@ pub struct PipeSummary {
     leak_held_j: f64,
     /// Estimated actuation delay minus its model value; 0 if the method does not estimate it.
     learned_lateness_s: f64,
+    /// Whether the method compares the samples with the modelled timing.
+    #[serde(skip)]
+    checks_timing: bool,
 }
 
 impl PipeSummary {
@@ -82,6 +86,7 @@ impl PipeSummary {
             leak_original_j: 0.0,
             leak_held_j: 0.0,
             learned_lateness_s: 0.0,
+            checks_timing: false,
         }
     }
 
@@ -101,11 +106,12 @@ impl PipeSummary {
 }
 
 impl PipeSummary {
-    /// Returns a copy with the estimated delay correction `[s]`.
+    /// Returns a copy with the estimated delay correction `[s]`. `checks_timing`: whether the method estimates it.
     #[must_use]
-    pub fn with_learned_lateness(self, learned_lateness_s: f64) -> Self {
+    pub fn with_learned_lateness(self, learned_lateness_s: f64, checks_timing: bool) -> Self {
         Self {
             learned_lateness_s,
+            checks_timing,
             ..self
         }
     }
@@ -115,11 +121,12 @@ impl fmt::Display for PipeSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, {} refused, {} limited; leak {} if the loop is as modelled, the spring force alone would have leaked {}",
+            "{}, {} refused, {} limited; leak {} {}, the spring force alone would have leaked {}",
             counted(self.samples, "sample"),
             self.refused,
             counted(self.limited, "force"),
             millijoules(self.leak_held_j),
+            if_as_modelled(self.checks_timing),
             millijoules(self.leak_original_j),
         )?;
         if let Some(reason) = self.safety_stop {

@@ -15,3 +15,12 @@ pub use machine::{MachineReport, RATE, SECONDS};
 pub use motors::MotorsReport;
 pub use run::{Energies, RunReport, Subject, TimingReport};
 pub use watchdog::{Guarding, WatchdogReport};
+
+/// Returns the condition of a generated energy, and whether the method compares the samples with the modelled timing.
+pub(crate) fn if_as_modelled(checks_timing: bool) -> &'static str {
+    if checks_timing {
+        "if the loop is as modelled"
+    } else {
+        "if the loop is as modelled, which is not checked"
+    }
+}

@@ -16,7 +16,7 @@ use serde::Serialize;
 use palpate_study::recording::{in_a_line, motors_off, refused};
 use palpate_study::text::{counted, digits, hanging, lines, number, plain_table};
 
-use crate::reports::WatchdogReport;
+use crate::reports::{WatchdogReport, if_as_modelled};
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate run 1";
@@ -66,6 +66,9 @@ pub struct RunReport {
     /// Maximum generated energy up to any tick, if the loop is as modelled. A part that dissipates later is missing
     /// at the end.
     most_created_energy_j: f64,
+    /// Whether the method compares the samples with the modelled timing.
+    #[serde(skip)]
+    checks_timing: bool,
     port_work_j: f64,
     outside_work_j: f64,
     events: Vec<EventReport>,
@@ -269,6 +272,7 @@ impl RunReport {
             deepest_penetration_m: account.deepest,
             leak_held_j: last.held_leak,
             most_created_energy_j: account.most_created,
+            checks_timing: end.control.rendered().checks_timing(),
             port_work_j: last.port_work,
             outside_work_j: last.outside_work,
             events: account.events.iter().map(event).collect(),
@@ -375,8 +379,7 @@ impl RunReport {
         writeln!(f, "\n{}", self.timing)?;
         writeln!(
             f,
-            "force on the device up to {} N, penetration up to {} mm; held forces created {} mJ{}, at most {} mJ, if the loop \
-             is as modelled",
+            "force on the device up to {} N, penetration up to {} mm; held forces created {} mJ{}, at most {} mJ, {}",
             digits(self.peak_force_n),
             digits(1e3 * self.deepest_penetration_m),
             digits(1e3 * self.leak_held_j),
@@ -385,7 +388,8 @@ impl RunReport {
             } else {
                 ""
             },
-            digits(1e3 * self.most_created_energy_j)
+            digits(1e3 * self.most_created_energy_j),
+            if_as_modelled(self.checks_timing)
         )?;
         if self.supervisor_cuts > 0 {
             let times = counted(self.supervisor_cuts, "time");

@@ -259,7 +259,7 @@ fn created_energy_stops_a_pipe_as_it_stops_run() {
     assert!(found[40..].iter().all(|force| *force == 0.0), "{found:?}");
     for words in [
         "safety stop: held forces created more than 50.0 mJ",
-        "if the loop is as modelled",
+        "if the loop is as modelled, which is not checked",
     ] {
         assert!(answer.stderr.contains(words), "{}", answer.stderr);
     }

@@ -218,6 +218,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                     port_work: recorded.mean * device_moved,
                     virtual_force_work: virtual_force * moved.by,
                     original_work: interval.original_force * device_moved,
+                    part_sent: self.part_sent(passed),
                 });
                 if !closed {
                     return Err(Fault::Overflow);
@@ -241,6 +242,18 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             device_velocity,
             previous_penetration,
         })
+    }
+
+    /// Returns the fraction of a planned push that limits left over an interval, 0 to 1. A contact that yields to the
+    /// force limit stores no energy beyond it.
+    #[inline(always)]
+    fn part_sent(&self, passed: &Piece<S>) -> S {
+        let (intended, sent) = (passed.intended, passed.held.mean);
+        if self.yields_at < S::INFINITY || intended <= sent || intended <= S::ZERO {
+            S::ONE
+        } else {
+            (sent / intended).max(S::ZERO)
+        }
     }
 
     /// Applies a restart or a change from outside to the object. Returns the start of the next interval and the

@@ -46,6 +46,14 @@ impl<S: Scalar> Rendering<S> {
         self.params.name()
     }
 
+    /// Returns whether the method compares the samples with the modelled timing of the loop: coupled rendering with a
+    /// standard deviation of delay or lag.
+    #[must_use]
+    pub fn checks_timing(&self) -> bool {
+        matches!(self.params, AnyParams::Coupled(_))
+            && self.loop_params.actuation.timing_deviation() > S::ZERO
+    }
+
     /// Returns whether the object is a wall.
     #[must_use]
     pub fn is_wall(&self) -> bool {

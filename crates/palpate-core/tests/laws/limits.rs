@@ -106,6 +106,37 @@ fn the_force_limit_clamps_the_force_and_is_reported_only_then() {
     }
 }
 
+/// A device strikes an object with 2 m/s; the force of the spring is six times the limit. The device does not deliver
+/// all the energy of the object.
+#[test]
+fn an_object_thrown_by_more_than_the_limited_force_is_no_generated_energy() {
+    let period = 0.001;
+    let contact = Contact::object(20_000.0, 0.2);
+    let struck = |method, force_limit| {
+        let loop_params = LoopParams {
+            force_limit,
+            ..LoopParams::new(period)
+        };
+        let renderer = AnyRenderer::new(contact, loop_params, method).unwrap();
+        let mut state = renderer.start(ObjectState::at_rest(0.001)).unwrap();
+        for tick in 0..30 {
+            let _ = renderer.step(&mut state, Sample::at(0.002 * f64::from(tick)));
+        }
+        let ledger = state.ledger();
+        (ledger.held_leak.accumulated, ledger.created())
+    };
+    for (name, method) in methods() {
+        let (without, of_method) = struck(method, None);
+        let (leak, created) = struck(method, Some(20.0));
+        println!("{name}: {leak:.3} J, {created:.3} J generated; {of_method:.3} J without a limit");
+        assert_eq!(without, of_method, "{name}");
+        assert!(created < of_method.max(0.0) + 0.1, "{name}: {created} J");
+        if matches!(name, "basic" | "hfcr") {
+            assert!(leak > 1.0, "{name}: {leak} J");
+        }
+    }
+}
+
 #[test]
 fn the_slew_limit_holds_up_and_down_and_is_reported_only_then() {
     for (name, method) in stable_methods() {

@@ -89,13 +89,13 @@ impl Renders for OneContact {
             self.rendered.report_held(held);
         }
         let coordinate = self.axis.coordinate(position);
-        let before = self.rendered.ledger().held_leak;
+        let before = *self.rendered.ledger();
         let output = self.rendered.step(Sample {
             elapsed: sample.elapsed,
             ..Sample::at(coordinate)
         });
-        let after = self.rendered.ledger().held_leak;
-        self.delivered.close(&before, &after, sample.was_off);
+        let after = self.rendered.ledger();
+        self.delivered.close(&before, after, sample.was_off);
         self.last = Some((position, output));
         if let Some(asked) = asked.first_mut() {
             *asked = Wrench::of_force(self.axis.vector(output.force_on_device));
@@ -156,12 +156,16 @@ impl Renders for OneContact {
         limit.unwrap_or(f64::INFINITY)
     }
 
+    fn checks_timing(&self) -> bool {
+        self.rendered.rendering().checks_timing()
+    }
+
     fn learned_lateness(&self) -> f64 {
         self.rendered.learned_lateness()
     }
 
     fn created_energy(&self) -> f64 {
-        self.delivered.leak
+        self.delivered.created
     }
 }
 

@@ -73,6 +73,11 @@ pub trait Renders: Send {
         Flags::default()
     }
 
+    /// Returns whether the method compares the samples with the modelled timing of the loop.
+    fn checks_timing(&self) -> bool {
+        false
+    }
+
     /// Returns the estimated actuation delay minus its model value `[s]`.
     fn learned_lateness(&self) -> f64 {
         0.0

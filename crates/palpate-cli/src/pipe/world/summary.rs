@@ -7,6 +7,7 @@ use palpate_world::EnergyLedger;
 use serde::Serialize;
 
 use crate::pipe::number::millijoules;
+use crate::reports::if_as_modelled;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate world pipe 1";
@@ -86,11 +87,13 @@ impl fmt::Display for WorldSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, {} refused, {} limited; leak {} if the loop is as modelled, friction and damping dissipated {}",
+            "{}, {} refused, {} limited; leak {} {}, friction and damping dissipated {}",
             counted(self.samples, "sample"),
             self.refused,
             counted(self.limited, "line"),
             millijoules(self.leak_held_j),
+            // No method compares the samples of a world with the modelled timing.
+            if_as_modelled(false),
             millijoules(self.dissipated_j),
         )?;
         if let Some(reason) = self.safety_stop {
