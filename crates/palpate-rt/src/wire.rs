@@ -96,6 +96,7 @@ mod tests {
             outside_work: 10.0,
             original_leak: leak(11.0),
             held_leak: leak(12.0),
+            limited_leak: leak(13.0),
         };
         let expected = ContactTick {
             force_on_device: 1.0,

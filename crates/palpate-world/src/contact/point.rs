@@ -1,6 +1,6 @@
 //! State of a contact point: force, bristle, and sums since the interval began.
 
-use crate::contact::law::{Mode, carried};
+use crate::contact::law::{Mode, PointLaw, carried};
 use crate::contact::pairs::Point;
 use crate::dynamics::moving_body::Part;
 use crate::geometry::rigid::Vector3;
@@ -32,6 +32,8 @@ pub(crate) struct Touch {
     pub missed: f64,
     /// Force on the first `[N]`.
     pub force: Vector3,
+    /// Fraction of the elastic force that a force limit leaves.
+    elastic_scale: f64,
     /// Velocity of the first relative to the second at the contact point `[m/s]`.
     pub relative: Vector3,
     /// Tangential displacement not yet applied to the bristle `[m]`.
@@ -142,6 +144,7 @@ impl Touch {
             expected: 0.0,
             missed: 0.0,
             force: none,
+            elastic_scale: 1.0,
             relative: none,
             slid: none,
             damping_power: 0.0,
@@ -244,6 +247,8 @@ impl Touch {
     /// the end of the sub-step `[m/s]`.
     pub fn rub(&mut self, point: &Point, normal: Vector3, way: Vector3, expected: &Vector3) {
         let law = &point.law;
+        // A limit scales the new force.
+        let scale = core::mem::replace(&mut self.elastic_scale, 1.0);
         if law.friction <= 0.0 {
             self.by_rubbing = Vector3::zeros();
             self.mode = law.cut(Vector3::zeros(), self.normal_force).mode;
@@ -255,7 +260,8 @@ impl Touch {
         let follows = before + slid + way - normal * normal.dot(&way);
         let cut = law.cut(follows, self.normal_force);
         let torn = (before + cut.bristle).dot(&(follows - cut.bristle));
-        self.past.dissipated += (0.5 * law.friction_stiffness * torn).max(0.0);
+        let lost = 0.5 * law.friction_stiffness * torn * scale;
+        self.past.dissipated += lost.max(0.0);
         self.bristle = cut.bristle;
         self.mode = cut.mode;
         self.slid = Vector3::zeros();
@@ -273,10 +279,27 @@ impl Touch {
         }
     }
 
+    /// Returns the energy stored by penetration and bristle `[J]`.
+    pub fn stored(&self, law: &PointLaw) -> f64 {
+        let scale = self.elastic_scale;
+        law.stored(self.penetration, &self.bristle) * (scale * (2.0 - scale))
+    }
+
+    /// Scales the elastic force and the total force.
+    pub fn scale(&mut self, [elastic, total]: [f64; 2]) {
+        self.elastic_scale *= elastic;
+        let normal_spring = self.normal_force - self.by_damping;
+        let across = self.force - self.normal * self.normal_force;
+        self.by_damping = total * self.normal_force - elastic * normal_spring;
+        self.by_rubbing = across * total - (across - self.by_rubbing) * elastic;
+        self.normal_force *= total;
+        self.force *= total;
+    }
+
     /// Separates the surfaces. The energy stored in the bristle is lost.
     pub fn part(&mut self, point: &Point) {
-        let lost = point.law.stored(0.0, &self.bristle);
-        self.past.dissipated += lost;
+        self.penetration = 0.0;
+        self.past.dissipated += self.stored(&point.law);
         *self = Self {
             past: self.past,
             ..Self::apart()

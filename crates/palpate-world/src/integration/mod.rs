@@ -5,3 +5,4 @@ pub(crate) mod held_tools;
 pub(crate) mod interval;
 pub(crate) mod interval_ledger;
 pub(crate) mod moving;
+pub(crate) mod yielding;

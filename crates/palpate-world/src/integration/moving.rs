@@ -12,6 +12,7 @@ use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::{Nearest, Solid};
 use crate::integration::held_tools::HeldTools;
 use crate::integration::interval::SubStepped;
+use crate::integration::yielding::ForceLimit;
 
 /// A world in motion.
 #[derive(Clone, Debug)]
@@ -35,6 +36,8 @@ pub(crate) struct Moving {
     pub expects_the_missed: bool,
     /// Tools that each contact holds at its own place; empty for other methods.
     pub held: HeldTools,
+    /// Force limits of the tools; empty if the motion has none.
+    pub limits: Vec<ForceLimit>,
 }
 
 impl Moving {
@@ -70,6 +73,9 @@ impl Moving {
 
     /// Begins an interval with zero sums.
     pub fn begin(&mut self) {
+        for limit in &mut self.limits {
+            limit.has_acted = false;
+        }
         for touch in &mut self.touches {
             touch.past = Past::default();
         }
@@ -113,7 +119,7 @@ impl Moving {
     /// Returns the energy stored in the contact at a point `[J]`.
     pub fn stored(&self, number: usize, point: &Point) -> f64 {
         let touch = &self.touches[number];
-        point.law.stored(touch.penetration, &touch.bristle)
+        touch.stored(&point.law)
     }
 
     /// Resets the clearances of all points, because displacements are counted from the start of the interval.
@@ -197,6 +203,7 @@ impl Moving {
                 touch.clear = moved - NEARER * met.penetration;
             }
         }
+        self.yield_to_limits(points);
         if self.held.is_holding {
             let numbers = self.nearby.numbers();
             self.held

@@ -101,6 +101,7 @@ fn against(proxy: &Rigid, measured: &Vector3, device: &Motions) -> ProxyState {
     ProxyState {
         offset: proxy.position - measured - device.of(|axis| axis.offset),
         velocity_offset: proxy.velocity - device.of(|axis| axis.velocity),
+        was_limited: false,
     }
 }
 
@@ -301,6 +302,7 @@ impl Coupled {
         let entry = &mut state.ledger.devices[tool];
         interval.account(entry, &motion, linkage, work - to_turn);
 
+        proxy.was_limited = device.proxy.was_limited || state.now.has_yielded(tool);
         device.proxy = proxy;
         device.measured = position;
         device.touched = touched;
@@ -571,6 +573,7 @@ impl CoupledMemory {
             let ProxyState {
                 offset,
                 velocity_offset,
+                ..
             } = device.proxy;
             tool.position = position.into();
             tool.velocity = velocity.into();

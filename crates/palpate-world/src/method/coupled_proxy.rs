@@ -10,6 +10,8 @@ pub(crate) struct ProxyState {
     pub offset: Vector3,
     /// w: velocity of the proxy minus that of the device `[m/s]`.
     pub velocity_offset: Vector3,
+    /// Whether a force limit acted since the offset was last 0.
+    pub was_limited: bool,
 }
 
 impl ProxyState {
@@ -17,6 +19,7 @@ impl ProxyState {
         Self {
             offset: Vector3::zeros(),
             velocity_offset: Vector3::zeros(),
+            was_limited: false,
         }
     }
 }
@@ -25,6 +28,10 @@ impl ProxyState {
 const KEPT_IN_CONTACT: f64 = 0.05;
 /// Decay time of the excess offset in contact `[s]`.
 const BACK_IN_CONTACT: f64 = 1.0;
+/// Decay time of the offset of a tool without contact after a limited force `[s]`. The work of the hand over the
+/// offset is generated energy. Without a limit it averages out over the collisions; with one, a device in a hand that
+/// presses can keep bouncing at one phase of the samples.
+const BACK_AFTER_LIMIT: f64 = 0.2;
 
 impl Coupled {
     /// Decays the proxy offset of a tool without contact. Returns the change of the offset.
@@ -32,15 +39,20 @@ impl Coupled {
         let ProxyState {
             offset,
             velocity_offset,
+            was_limited,
         } = proxy;
         let norm = offset.norm();
-        let most = self.offset_return * elapsed;
+        let mut most = self.offset_return * elapsed;
+        if *was_limited {
+            most = most.min(norm * (elapsed / BACK_AFTER_LIMIT));
+        }
         let back = if norm <= most {
             -*offset
         } else {
             *offset * (-most / norm)
         };
         *offset += back;
+        *was_limited &= *offset != Vector3::zeros();
         *velocity_offset *= 1.0 - (elapsed / self.velocity_return).min(1.0);
         back
     }

@@ -169,6 +169,11 @@ impl Checked {
         matches!(self, Self::GodObject(_))
     }
 
+    /// Returns whether the contacts yield to a force limit.
+    pub fn yields_to_limits(&self) -> bool {
+        matches!(self, Self::Coupled(_))
+    }
+
     /// Returns the state of tools that each contact holds at its own place, empty for other methods.
     pub fn held_tools(&self, renderer: &WorldRenderer) -> HeldTools {
         match self {

@@ -19,6 +19,7 @@ use crate::geometry::axes::Axes;
 use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::{Mobility, Rigid, Vector3};
 use crate::integration::moving::Moving;
+use crate::integration::yielding::ForceLimit;
 use crate::method::far_side::Entry;
 use crate::method::state::{ContactState, Progress, ToolState, WorldState, body_state};
 use crate::method::{Checked, Memory, WorldMethod};
@@ -161,6 +162,7 @@ impl WorldRenderer {
             carried: vec![None; self.carried()],
             expects_the_missed: false,
             held: self.method.held_tools(self),
+            limits: self.limits_in_motion(),
         };
         let side = |number: usize| Side::new(number, self.tools);
         let contacts = self.points.iter().map(|point| ContactState {
@@ -225,6 +227,23 @@ impl WorldRenderer {
         let memory = self.method.memory(self);
         self.publish(&mut progress, &memory);
         WorldState { progress, memory }
+    }
+
+    /// Returns the force limits that the motion of proxies includes. A tool that is fixed between samples has none.
+    fn limits_in_motion(&self) -> Vec<ForceLimit> {
+        let actuation = &self.loop_params.actuation;
+        let of_tool = |(&limit, &axes)| ForceLimit {
+            // Both the command and the delivered force are limited.
+            force: actuation.gain * limit / actuation.limit_gain(),
+            axes,
+            has_acted: false,
+        };
+        let limits = self.loop_params.force_limits.iter().zip(&self.axes);
+        if self.method.yields_to_limits() {
+            limits.map(of_tool).collect()
+        } else {
+            Vec::new()
+        }
     }
 
     /// Returns the number of tools for which a proxy with position-dependent mass must be provided.
@@ -358,6 +377,7 @@ impl WorldRenderer {
         );
         let gain = self.loop_params.actuation.limit_gain();
         limited.force = limit(&state.intended, &mut state.forces, limits.0, gain);
+        limited.force |= (0..self.tools).any(|tool| state.ahead.has_yielded(tool));
         limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1, gain);
         limited.guard = self.guard(state);
         limited.beyond_guard = state.guard.is_exceeded();

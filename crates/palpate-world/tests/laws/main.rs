@@ -36,6 +36,7 @@ mod local;
 mod meshes;
 mod migration;
 mod orientations;
+mod pressed;
 mod refusals;
 mod resting;
 mod six_axes;

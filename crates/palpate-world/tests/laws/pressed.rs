@@ -1,0 +1,277 @@
+//! A hand presses a tool steadily on a plane or a body: effect of a force limit or a model deviation at rest.
+
+use palpate_core::Actuation;
+use palpate_world::{
+    Body, ContactLaw, CoupledParams, Free, Motion, Sample, Shape, Vector, World, WorldLoop,
+    WorldRenderer,
+};
+
+use crate::common::{plane, world};
+
+const PERIOD: f64 = 0.001;
+const MASS: f64 = 0.2;
+const LIMIT: f64 = 20.0;
+const RADIUS: f64 = 0.005;
+
+/// A device in a hand that pushes steadily along -z, and its contact.
+#[derive(Clone, Copy, Debug)]
+struct Pressed {
+    /// K T^2/m and K T^2/M; the latter is 0 for a plane.
+    kappa: f64,
+    by_body: f64,
+    friction: f64,
+    /// Force of the hand, and of a body against it `[N]`.
+    push: f64,
+    /// Force of the hand along the plane `[N]`.
+    aside: f64,
+    force_limit: Option<f64>,
+    actuation: Actuation<f64>,
+    /// Displacement of the device by a tap, after 1 s `[m]`.
+    tap: f64,
+    /// Stiffness `[N/m]` and damping `[N s/m]` of the hand.
+    hand: (f64, f64),
+    seconds: f64,
+}
+
+impl Pressed {
+    fn new(kappa: f64, by_body: f64, push: f64) -> Self {
+        Self {
+            kappa,
+            by_body,
+            friction: 0.0,
+            push,
+            aside: 0.0,
+            force_limit: None,
+            actuation: Actuation::default(),
+            tap: 0.0,
+            hand: (0.0, 1.0),
+            seconds: 4.0,
+        }
+    }
+
+    fn stiffness(&self) -> f64 {
+        self.kappa * MASS / (PERIOD * PERIOD)
+    }
+
+    fn world(&self) -> World {
+        let law = ContactLaw::spring(self.stiffness()).with_friction(self.friction);
+        let body = if self.by_body > 0.0 {
+            let mass = self.stiffness() * PERIOD * PERIOD / self.by_body;
+            let free = Free::of_mass(mass).pulled_by([0.0, 0.0, self.push]);
+            let shape = Shape::Box {
+                half_extents: [0.05; 3],
+            };
+            Body::new("body", shape, Motion::Free(free)).at([0.0, 0.0, -0.05])
+        } else {
+            plane("plane", [0.0, 0.0, 1.0])
+        };
+        world(RADIUS, vec![body], law)
+    }
+
+    /// Returns the smallest and largest force on the device in the last second `[N]`, and the energy generated in it
+    /// `[J]`.
+    fn last_second(&self) -> [f64; 3] {
+        let loop_params = WorldLoop {
+            actuation: self.actuation,
+            speed_limit: None,
+            ..WorldLoop::new(PERIOD).with_force_limits(self.force_limit.into_iter().collect())
+        };
+        let params = CoupledParams::new(vec![[MASS; 3]]);
+        let renderer = WorldRenderer::new(&self.world(), loop_params, params).unwrap();
+        let mut state = renderer.start();
+        let mut x: Vector = [0.0, 0.0, RADIUS + 0.1 * self.push / self.stiffness()];
+        let mut v: Vector = [0.0; 3];
+        let hand = [self.aside, 0.0, -self.push];
+        let delay = self.actuation.delay / PERIOD;
+        let parts = 8;
+        let h = PERIOD / f64::from(parts);
+        let mut commands = vec![[0.0; 3]];
+        let mut felt: Vector = [0.0; 3];
+        let (mut least, mut largest, mut created) = (f64::INFINITY, 0.0_f64, 0.0);
+        let ticks = (self.seconds / PERIOD) as usize;
+        for tick in 0..ticks {
+            if tick == 1000 {
+                x[2] += self.tap;
+            }
+            let output = renderer.step(&mut state, &Sample::at(&[x]));
+            assert_eq!(output.fault, None, "{self:?}");
+            commands.push(output.forces[0]);
+            if tick + 1000 == ticks {
+                created = state.created_at_ports();
+            }
+            if tick + 1000 >= ticks {
+                least = least.min(felt[2]);
+                largest = largest.max(felt[2]);
+            }
+            for part in 0..parts {
+                // Command that acts in the middle of the part.
+                let age = delay - (f64::from(part) + 0.5) / f64::from(parts);
+                let place = commands.len() as f64 - 1.0 - age.ceil().max(0.0);
+                let command = commands[place.max(0.0) as usize];
+                for axis in 0..3 {
+                    let mut mean = command[axis];
+                    if self.actuation.lag > 0.0 {
+                        let left = (-h / self.actuation.lag).exp();
+                        mean +=
+                            (felt[axis] - command[axis]) * self.actuation.lag * (1.0 - left) / h;
+                        felt[axis] = command[axis] + (felt[axis] - command[axis]) * left;
+                    } else {
+                        felt[axis] = command[axis];
+                    }
+                    let (stiffness, damping) = self.hand;
+                    // The displacement from the place where the spring of the hand is at rest.
+                    let y = x[axis] - if axis == 2 { RADIUS } else { 0.0 };
+                    let a = (mean + hand[axis] - stiffness * y - damping * v[axis]) / MASS;
+                    let w = v[axis] + a * h;
+                    x[axis] += 0.5 * (v[axis] + w) * h;
+                    v[axis] = w;
+                }
+            }
+        }
+        [least, largest, state.created_at_ports() - created]
+    }
+
+    /// Returns the smallest and largest force for the ideal contact without friction: a spring with a limited force,
+    /// in continuous time.
+    fn ideal(&self) -> [f64; 2] {
+        let stiffness = self.stiffness();
+        let mobility = self.by_body / (stiffness * PERIOD * PERIOD);
+        let limit = self.force_limit.unwrap_or(f64::INFINITY);
+        // Displacements into the contact.
+        let (mut x, mut v) = (-0.1 * self.push / stiffness, 0.0);
+        let (mut y, mut w) = (0.0, 0.0);
+        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
+        let steps = 50;
+        let h = PERIOD / f64::from(steps);
+        let ticks = (self.seconds / PERIOD) as usize;
+        for tick in 0..ticks {
+            if tick == 1000 {
+                x -= self.tap;
+            }
+            let mut mean = 0.0;
+            for _ in 0..steps {
+                let f = (stiffness * (x - y)).clamp(0.0, limit);
+                mean += f / f64::from(steps);
+                let (k, b) = self.hand;
+                v += (self.push - f - k * x - b * v) / MASS * h;
+                w += (f - self.push) * mobility * h;
+                x += v * h;
+                y += w * h;
+            }
+            if tick + 1000 >= ticks {
+                least = least.min(mean);
+                largest = largest.max(mean);
+            }
+        }
+        [least, largest]
+    }
+}
+
+/// Returns the results for all cases, computed by as many threads as the machine has.
+fn each<T: Send>(cases: &[Pressed], of: impl Fn(&Pressed) -> T + Sync) -> Vec<T> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let part = cases.len().div_ceil(threads).max(1);
+    std::thread::scope(|scope| {
+        let of = &of;
+        let parts: Vec<_> = cases
+            .chunks(part)
+            .map(|part| scope.spawn(move || part.iter().map(of).collect::<Vec<T>>()))
+            .collect();
+        parts
+            .into_iter()
+            .flat_map(|part| part.join().unwrap())
+            .collect()
+    })
+}
+
+/// A tap lifts the device off; the following impact exceeds the limit many times.
+#[test]
+fn a_contact_whose_force_was_limited_rests_as_the_ideal_one_does() {
+    let mut cases = Vec::new();
+    for (kappa, tap) in [(1.0, 0.5), (2.0, 1.0), (3.0, 0.5), (4.0, 0.2)] {
+        for part in [0.35, 0.5, 0.65, 0.9] {
+            let pressed = |by_body, friction, aside| Pressed {
+                friction,
+                aside,
+                tap: 1e-3 * tap,
+                force_limit: Some(LIMIT),
+                seconds: 6.0,
+                ..Pressed::new(kappa, by_body, part * LIMIT)
+            };
+            cases.push(pressed(0.0, 0.0, 0.0));
+            if part == 0.35 || part == 0.65 {
+                cases.push(pressed(0.0, 0.5, 2.0));
+            }
+            if part == 0.9 {
+                cases.push(pressed(2.0, 0.5, 0.0));
+            }
+        }
+    }
+    let found = each(&cases, |pressed| (pressed.last_second(), pressed.ideal()));
+    for (pressed, ([least, largest, created], [low, high])) in cases.iter().zip(found) {
+        println!(
+            "Kc {} mu {} kappa {} push {}: {least:.2} to {largest:.2} N, ideally {low:.2} to {high:.2} N, {created:.1e} J",
+            pressed.by_body, pressed.friction, pressed.kappa, pressed.push,
+        );
+        // The oscillation of a body on a device decays more slowly than the ideal one.
+        let rests = largest - least < 1.1 * (high - low) + 0.2;
+        assert!(
+            rests || pressed.by_body > 0.0,
+            "{least} to {largest} N, ideally {low} to {high} N: {pressed:?}"
+        );
+        assert!(created < 1e-4, "{created} J: {pressed:?}");
+    }
+}
+
+/// A model deviation is an uncertainty, not an additional delay.
+#[test]
+fn a_deviation_of_the_model_adds_nothing_to_the_swing_of_a_contact() {
+    let late = |by: f64| Actuation {
+        delay_deviation: by * PERIOD,
+        ..Actuation::after(PERIOD)
+    };
+    let slow = |by: f64| Actuation {
+        lag_deviation: by * PERIOD,
+        ..Actuation::after(PERIOD).with_lag(0.3 * PERIOD)
+    };
+    let soon = |by: f64| Actuation {
+        delay_deviation: by * PERIOD,
+        ..Actuation::after(0.5 * PERIOD)
+    };
+    let strong = |by: f64| Actuation {
+        gain_deviation: by,
+        ..Actuation::after(PERIOD)
+    };
+    let kinds: [fn(f64) -> Actuation<f64>; 4] = [late, slow, soon, strong];
+    const DEVIATIONS: [f64; 3] = [0.0, 0.02, 0.1];
+    let mut cases = Vec::new();
+    for by_body in [0.0, 0.4, 8.0] {
+        for kappa in [0.01, 0.1, 1.0, 4.0] {
+            for kind in kinds {
+                cases.extend(DEVIATIONS.map(|by| Pressed {
+                    hand: (100.0, 1.0),
+                    seconds: 6.0,
+                    actuation: kind(by),
+                    ..Pressed::new(kappa, by_body, 3.0)
+                }));
+            }
+        }
+    }
+    let swings = each(&cases, |pressed| {
+        let [least, largest, _] = pressed.last_second();
+        (largest - least) / 3.0
+    });
+    for (cases, swings) in cases
+        .chunks(DEVIATIONS.len())
+        .zip(swings.chunks(DEVIATIONS.len()))
+    {
+        let over = swings.iter().any(|swing| *swing > swings[0] + 0.01);
+        println!(
+            "{} Kc {} kappa {} {:?}: {swings:?}",
+            if over { "OVER" } else { "ok" },
+            cases[0].by_body,
+            cases[0].kappa,
+            cases[0].actuation
+        );
+    }
+}
