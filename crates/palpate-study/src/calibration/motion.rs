@@ -106,7 +106,15 @@ impl ExcitedMotion {
         let between = || self.times.windows(2).map(|pair| pair[1] - pair[0]);
         let mean = between().sum::<f64>() / count;
         let squares: f64 = between().map(|step| (step - mean).powi(2)).sum();
-        let deviation = (squares / count).sqrt();
+        let mut deviation = (squares / count).sqrt();
+        // Differences of even times vary by the rounding of the times.
+        let latest = self
+            .times
+            .iter()
+            .fold(0.0_f64, |most, time| most.max(time.abs()));
+        if deviation <= 4.0 * f64::EPSILON * latest {
+            deviation = 0.0;
+        }
         let by = "times of the samples";
         Some(Known::found(
             deviation,
@@ -186,6 +194,22 @@ mod tests {
             motion.take(Some(time(f64::from(number))), 0.0);
         }
         motion
+    }
+
+    #[test]
+    fn rounding_of_even_times_is_no_jitter() {
+        let deviation = |motion: &ExcitedMotion| {
+            let jitter = motion.sample_jitter().unwrap();
+            (jitter.value, jitter.standard_deviation)
+        };
+        for period in [0.001, 0.0003, 1.0 / 3.0] {
+            for start in [0.0, -7.0, 1e4] {
+                let even = at_times(|n| start + period * n);
+                assert_eq!(deviation(&even), (0.0, Some(0.0)), "{period} {start}");
+            }
+        }
+        let (value, _) = deviation(&at_times(|n| 0.001 * n + 1e-9 * n.sin()));
+        assert!((5e-10..2e-9).contains(&value), "{value}");
     }
 
     #[test]
