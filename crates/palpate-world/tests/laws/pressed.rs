@@ -226,8 +226,10 @@ fn a_contact_whose_force_was_limited_rests_as_the_ideal_one_does() {
 /// A model deviation is an uncertainty, not an additional delay.
 #[test]
 fn a_deviation_of_the_model_adds_nothing_to_the_swing_of_a_contact() {
+    const DEVIATIONS: [f64; 3] = [0.0, 0.02, 0.1];
     let late = |by: f64| Actuation {
         delay_deviation: by * PERIOD,
+        gain_deviation: by,
         ..Actuation::after(PERIOD)
     };
     let slow = |by: f64| Actuation {
@@ -238,15 +240,10 @@ fn a_deviation_of_the_model_adds_nothing_to_the_swing_of_a_contact() {
         delay_deviation: by * PERIOD,
         ..Actuation::after(0.5 * PERIOD)
     };
-    let strong = |by: f64| Actuation {
-        gain_deviation: by,
-        ..Actuation::after(PERIOD)
-    };
-    let kinds: [fn(f64) -> Actuation<f64>; 4] = [late, slow, soon, strong];
-    const DEVIATIONS: [f64; 3] = [0.0, 0.02, 0.1];
+    let kinds: [fn(f64) -> Actuation<f64>; 3] = [late, slow, soon];
     let mut cases = Vec::new();
-    for by_body in [0.0, 0.4, 8.0] {
-        for kappa in [0.01, 0.1, 1.0, 4.0] {
+    for by_body in [0.0, 0.4] {
+        for kappa in [0.1, 4.0] {
             for kind in kinds {
                 cases.extend(DEVIATIONS.map(|by| Pressed {
                     hand: (100.0, 1.0),
@@ -261,17 +258,14 @@ fn a_deviation_of_the_model_adds_nothing_to_the_swing_of_a_contact() {
         let [least, largest, _] = pressed.last_second();
         (largest - least) / 3.0
     });
-    for (cases, swings) in cases
-        .chunks(DEVIATIONS.len())
-        .zip(swings.chunks(DEVIATIONS.len()))
-    {
-        let over = swings.iter().any(|swing| *swing > swings[0] + 0.01);
-        println!(
-            "{} Kc {} kappa {} {:?}: {swings:?}",
-            if over { "OVER" } else { "ok" },
-            cases[0].by_body,
-            cases[0].kappa,
-            cases[0].actuation
-        );
+    let count = DEVIATIONS.len();
+    for (cases, swings) in cases.chunks(count).zip(swings.chunks(count)) {
+        for (case, swing) in cases.iter().zip(swings) {
+            assert!(
+                *swing < swings[0] + 0.01,
+                "swings by {swing}, {} without a deviation: {case:?}",
+                swings[0]
+            );
+        }
     }
 }
