@@ -80,14 +80,14 @@ pub struct HandArguments {
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true,
           requires = "hold")]
     pub sway: Option<[f64; 2]>,
-    /// Period of that motion, with `--sway` only [s]
+    /// Period of that motion [s]
     #[arg(long, value_name = "s", value_parser = number, default_value = "1", requires = "sway")]
     pub sway_period: f64,
-    /// Stiffness of the spring, with `--hold` only [N/m]
+    /// Stiffness of the spring [N/m]
     #[arg(long, value_name = "N/m", value_parser = number, default_value = "200",
           requires = "hold")]
     pub hand_stiffness: f64,
-    /// Damping of the hand, with `--hold` only [N s/m]
+    /// Damping of the hand [N s/m]
     #[arg(long, value_name = "N s/m", value_parser = number, default_value = "4",
           requires = "hold")]
     pub hand_damping: f64,
