@@ -1,7 +1,7 @@
 //! Parameters of the loop and of its device in the C API.
 
 use palpate_core::{
-    Actuation, Allowed, Guard, GuardParams, HandBound, LoopParams as Core, Parameter,
+    Actuation, Allowed, Guard, GuardParams, HandBound, Hold, LoopParams as Core, Parameter,
     ParameterError, Scalar,
 };
 
@@ -100,6 +100,7 @@ impl Default for LoopParams {
             lag_deviation,
             gain_deviation,
             transmission: _,
+            hold: _,
         } = core.actuation;
         let limit = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
         Self {
@@ -191,6 +192,7 @@ impl LoopParams {
                     lag_deviation: number(self.lag_deviation),
                     gain_deviation: number(self.gain_deviation),
                     transmission: None,
+                    hold: Hold::Constant,
                 },
                 guard,
             },

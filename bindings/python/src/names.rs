@@ -50,6 +50,7 @@ fn argument_of(parameter: Parameter) -> Option<&'static str> {
         | Parameter::Resonance
         | Parameter::ResonanceDampingRatio
         | Parameter::FlexibleMassFraction
+        | Parameter::HoldOrder
         | Parameter::Kappa
         | Parameter::ObjectKappa
         | Parameter::Own { .. } => return None,

@@ -1,7 +1,7 @@
 //! Converts arguments of Python to contact, loop, object and device model.
 
 use palpate_core::{
-    Actuation, Allowed, BasicParams, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState,
+    Actuation, Allowed, BasicParams, Contact, Hold, LARGEST_DELAY, LoopParams, Mass, ObjectState,
     Parameter, ParameterError, Range, Renderer, Side,
 };
 use palpate_scene::{GuardBounds, GuardMode};
@@ -99,6 +99,7 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
             lag_deviation: given.lag_deviation,
             gain_deviation: given.gain_deviation,
             transmission: None,
+            hold: Hold::Constant,
         },
         device_mass: given.device_mass,
         encoder_quantum: given.encoder_quantum,

@@ -9,6 +9,49 @@ pub const LARGEST_DELAY: usize = 8;
 /// Tolerance of a whole number of periods: quotients of decimal times are never exact.
 pub(crate) const WHOLE_WITHIN: f64 = 1e-5;
 
+/// Force that an actuator holds from the begin of one command to that of the next.
+///
+/// A held constant cannot follow the contact's force: its error is the hold bound. A drive with a loop of its own can
+/// hold a straight line. Of all lines the nearest to a force has the impulse and the first moment of that force, so the
+/// device ends the interval with the velocity and at the position of the ideal device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Hold {
+    /// A constant: zero-order hold.
+    #[default]
+    Constant,
+    /// A line of force f and slope s, `f + s (t - T/2)` with t the time since the command began and T the nominal
+    /// period. After T it keeps its last value.
+    Line,
+}
+
+impl Hold {
+    /// All holds.
+    pub const ALL: [Self; 2] = [Self::Constant, Self::Line];
+
+    /// Returns the name in files, flags and arguments.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Line => "line",
+        }
+    }
+
+    /// Returns the hold with this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|hold| hold.name() == name)
+    }
+
+    /// Returns whether it is a constant.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        *self == Self::Constant
+    }
+}
+
 /// Model of the actuation from a sample to the force on the device, with the standard deviation of each value, as
 /// measured by a calibration. The default is a perfect actuator: no delay, no lag, a gain of 1.
 ///
@@ -39,6 +82,11 @@ pub struct Actuation<S> {
     pub gain_deviation: S,
     /// Flexible transmission between the motor and the rest of the device, if known.
     pub transmission: Option<Transmission<S>>,
+    /// Force that the actuator holds for each command. A line requires an actuator without lag, no
+    /// [slew limit](crate::LoopParams::slew_limit), no [`Guard`](crate::Guard), and [`Coupled`](crate::Coupled)
+    /// rendering.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Hold::is_constant"))]
+    pub hold: Hold,
 }
 
 /// Flexible transmission of a device: motor and sensor are on one side, the rest of the device's mass and the hand on
@@ -66,6 +114,7 @@ impl<S: Scalar> Default for Actuation<S> {
             lag_deviation: S::ZERO,
             gain_deviation: S::ZERO,
             transmission: None,
+            hold: Hold::Constant,
         }
     }
 }
@@ -118,6 +167,15 @@ impl<S: Scalar> Actuation<S> {
         }
     }
 
+    /// Returns the actuation of an actuator that holds a line.
+    #[must_use]
+    pub fn with_line(self) -> Self {
+        Self {
+            hold: Hold::Line,
+            ..self
+        }
+    }
+
     /// Returns the standard deviation of delay and lag together `[s]`.
     pub(crate) fn timing_deviation(&self) -> S {
         let (delay, lag) = (self.delay_deviation, self.lag_deviation);
@@ -154,6 +212,13 @@ impl<S: Scalar> Actuation<S> {
             not_negative(Parameter::DelayDeviation, self.delay_deviation),
             not_negative(Parameter::LagDeviation, self.lag_deviation),
             not_negative(Parameter::GainDeviation, self.gain_deviation),
+            Parameter::Lag
+                .unless(
+                    self.hold == Hold::Constant || !(self.lag > S::ZERO),
+                    self.lag,
+                    Allowed::Words("0 with a line hold"),
+                )
+                .err(),
         ]
         .into_iter()
         .chain(self.transmission.iter().flat_map(Transmission::faults))

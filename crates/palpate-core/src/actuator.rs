@@ -1,8 +1,10 @@
 //! Actuator model of a loop: effect of the pending commands on the device.
 
 mod ahead;
+mod schedule;
 
 pub use ahead::{Ahead, Governed, Impulse, Pending};
+use schedule::{Begun, Part, Schedule};
 
 use crate::Scalar;
 use crate::actuation::{Actuation, LARGEST_DELAY, WHOLE_WITHIN};
@@ -34,6 +36,31 @@ impl<S: Scalar> Held<S> {
             impulse_deviation: S::ZERO,
         }
     }
+
+    /// Returns the force over one nominal `period` `[s]` by a line of this mean `[N]` and `slope` `[N/s]`.
+    pub(crate) fn line(mean: S, slope: S, period: S) -> Self {
+        Self {
+            lead: -slope * period * period * period * S::from_f64(1.0 / 12.0),
+            ..Self::constant(mean)
+        }
+    }
+
+    /// Adds the changes of a force that changes by `risen` `[N]` at a constant rate from `begins` to `ends`, in an
+    /// interval of `h` `[s]`.
+    fn rises(&mut self, risen: S, [begins, ends, h]: [S; 3]) {
+        self.step += risen;
+        self.step_moment += risen * (h - S::HALF * (begins + ends));
+    }
+}
+
+/// Deviation of a line from the mean of its command.
+struct Deviation<S> {
+    /// Mean `[N]`.
+    mean: S,
+    /// As [`Held::lead`] `[N s^2]`.
+    lead: S,
+    /// Time for which the line rises or falls `[s]`.
+    rising: S,
 }
 
 /// Bounds on the force on a device over an interval, for the work that its mean does not show.
@@ -54,6 +81,8 @@ pub struct Command<S> {
     pub intended: S,
     /// Force sent after the limits and the driver `[N]`.
     pub sent: S,
+    /// Slope of the line that has this force as its mean over one nominal period `[N/s]`; 0 for a constant.
+    pub slope: S,
 }
 
 /// A command, and the time from its sample to the next one `[s]`.
@@ -61,6 +90,20 @@ pub struct Command<S> {
 struct Sent<S> {
     command: Command<S>,
     span: S,
+}
+
+impl<S: Scalar> Sent<S> {
+    /// Returns the change of the sent force from `earlier`, the command before, to this one when it begins `[N]`.
+    #[inline]
+    fn step_from(&self, earlier: &Self, period: S) -> S {
+        let step = self.command.sent - earlier.command.sent;
+        let [slope, earlier_slope] = [self, earlier].map(|sent| sent.command.slope);
+        if slope == S::ZERO && earlier_slope == S::ZERO {
+            return step;
+        }
+        let half = S::HALF * period;
+        step - slope * half - earlier_slope * (earlier.span.min(period) - half)
+    }
 }
 
 /// Commands that still act or have yet to act, and the state of the lag.
@@ -167,6 +210,34 @@ impl<S: Scalar> Actuator<S> {
         (mean, lead, aim + off * decayed)
     }
 
+    /// Returns the deviation of a line from the mean of its command, from `age` to `age + length` after it began `[s]`.
+    #[inline(never)]
+    fn line(&self, slope: S, age: S, length: S) -> Deviation<S> {
+        let slope = self.gain * slope;
+        // After one period the line keeps its last value.
+        let rising = (self.period - age).max(S::ZERO).min(length);
+        let rest = length - rising;
+        let cube = rising * rising * rising * S::from_f64(1.0 / 12.0);
+        let half = S::HALF * self.period;
+        let middle = slope * (age + S::HALF * rising - half);
+        if rest <= S::ZERO || length <= S::ZERO {
+            return Deviation {
+                mean: middle,
+                lead: -slope * cube,
+                rising,
+            };
+        }
+        let last = slope * half;
+        let mean = (middle * rising + last * rest) / length;
+        let moment = middle * rising * (length - S::HALF * rising) - slope * cube
+            + S::HALF * last * rest * rest;
+        Deviation {
+            mean,
+            lead: moment - S::HALF * mean * length * length,
+            rising,
+        }
+    }
+
     /// Returns the part of [`Uneven::course`] in an interval of `h` `[s]` by a response from `begins` to `ends` `[s]` that
     /// starts at a distance of `off` from its final value `[N]`, after a step of `jump` `[N]`.
     fn course(&self, [begins, ends, h]: [S; 3], off: S, jump: S) -> S {
@@ -196,6 +267,7 @@ impl<S: Scalar> Actuator<S> {
             let Part {
                 begins,
                 ends,
+                age,
                 command,
                 step,
             } = part;
@@ -204,9 +276,9 @@ impl<S: Scalar> Actuator<S> {
                 // Commands before the first sample are all 0.
                 continue;
             }
-            let (mean, lead, end) = self.respond(before.sent, command.sent, length);
+            let (mut mean, mut lead, end) = self.respond(before.sent, command.sent, length);
             let as_intended = command.sent == command.intended && before.sent == before.intended;
-            let (intended, intended_end) = if as_intended {
+            let (mut intended, intended_end) = if as_intended {
                 (mean, end)
             } else {
                 is_as_intended = false;
@@ -216,11 +288,21 @@ impl<S: Scalar> Actuator<S> {
             before = Command {
                 intended: intended_end,
                 sent: end,
+                slope: S::ZERO,
             };
             let step = self.gain * step;
             sum.held.step += step;
             sum.held.step_moment += step * (h - begins);
             variation += step.abs();
+            if command.slope != S::ZERO {
+                let line = self.line(command.slope, age, length);
+                mean += line.mean;
+                intended += line.mean;
+                lead += line.lead;
+                let risen = self.gain * command.slope * line.rising;
+                sum.held.rises(risen, [begins, begins + line.rising, h]);
+                variation += risen.abs();
+            }
             if length >= h {
                 // The whole interval.
                 (sum.intended, sum.held.mean, sum.held.lead) = (intended, mean, lead);
@@ -291,51 +373,6 @@ fn is_whole<S: Scalar>(delay: S, period: S) -> bool {
     periods - (periods + within).floor() <= within
 }
 
-/// Commands that act in an interval.
-struct Schedule<S> {
-    /// Start time of each command after the interval's beginning `[s]`, the command, and its change of the previous
-    /// command; the last to begin first.
-    begun: [(S, Command<S>, S); MAX_COMMANDS],
-    count: usize,
-}
-
-/// A part of an interval in which one command acts.
-struct Part<S> {
-    begins: S,
-    ends: S,
-    command: Command<S>,
-    /// Change of the command, if it begins with this part `[N]`.
-    step: S,
-}
-
-impl<S: Scalar> Schedule<S> {
-    fn add(&mut self, begins: S, command: Command<S>, step: S) {
-        if let Some(place) = self.begun.get_mut(self.count) {
-            *place = (begins, command, step);
-            self.count += 1;
-        }
-    }
-
-    /// Returns the parts in temporal order, to the interval's end at `h` `[s]`.
-    fn parts(&self, h: S) -> impl Iterator<Item = Part<S>> {
-        let begun = self.begun.get(..self.count).unwrap_or_default();
-        let ends = move |place: usize| match place.checked_sub(1).and_then(|next| begun.get(next)) {
-            Some((begins, ..)) => *begins,
-            None => h,
-        };
-        begun
-            .iter()
-            .enumerate()
-            .rev()
-            .map(move |(place, (begins, command, step))| Part {
-                begins: *begins,
-                ends: ends(place),
-                command: *command,
-                step: *step,
-            })
-    }
-}
-
 /// Returns the remaining fraction of a lag's deviation after `h` `[s]`, and its integral `[s]`.
 fn decay<S: Scalar>(lag: S, h: S) -> [S; 2] {
     let decayed = (-h / lag).exp();
@@ -400,6 +437,7 @@ impl<S: Scalar> UnderWay<S> {
             let mut felt = Command {
                 intended: self.felt_by_model,
                 sent: self.felt_by_model,
+                slope: S::ZERO,
             };
             let schedule = self.schedule(model, S::ZERO, h);
             let piece = model.pass(&mut felt, &schedule, h);
@@ -413,9 +451,10 @@ impl<S: Scalar> UnderWay<S> {
     /// Returns the newest command, exactly as sent.
     #[inline]
     fn held_at_once(&self, actuator: &Actuator<S>, h: S) -> Piece<S> {
-        let [later, earlier] = [0, 1].map(|age| self.aged(age).command);
-        let step = actuator.gain * (later.sent - earlier.sent);
-        Piece {
+        let [later, earlier] = [0, 1].map(|age| self.aged(age));
+        let step = actuator.gain * later.step_from(&earlier, actuator.period);
+        let later = later.command;
+        let mut piece = Piece {
             duration: h,
             intended: actuator.gain * later.intended,
             held: Held {
@@ -423,32 +462,49 @@ impl<S: Scalar> UnderWay<S> {
                 step_moment: step * h,
                 ..Held::constant(actuator.gain * later.sent)
             },
+        };
+        if later.slope != S::ZERO {
+            let line = actuator.line(later.slope, S::ZERO, h);
+            piece.intended += line.mean;
+            piece.held.mean += line.mean;
+            piece.held.lead += line.lead;
+            let risen = actuator.gain * later.slope * line.rising;
+            piece.held.rises(risen, [S::ZERO, line.rising, h]);
         }
+        piece
     }
 
     /// Returns the commands that act in the `h` `[s]` that begin `since` `[s]` after the newest command's sample.
     fn schedule(&self, actuator: &Actuator<S>, since: S, h: S) -> Schedule<S> {
-        let mut schedule = Schedule {
-            begun: [(S::ZERO, Command::default(), S::ZERO); MAX_COMMANDS],
-            count: 0,
-        };
+        let mut schedule = Schedule::empty();
         let within = S::from_f64(WHOLE_WITHIN) * actuator.period;
         let mut age = since;
         for place in 0..MAX_COMMANDS {
             let command = self.aged(place).command;
             let begins = actuator.delay - age;
-            let step = || command.sent - self.aged(place + 1).command.sent;
+            let step = || {
+                let earlier = self.aged(place + 1);
+                self.aged(place).step_from(&earlier, actuator.period)
+            };
             if begins <= within {
                 let step = if begins >= S::ZERO - within {
                     step()
                 } else {
                     S::ZERO
                 };
-                schedule.add(S::ZERO, command, step);
+                schedule.add(Begun {
+                    begins: begins.min(S::ZERO),
+                    command,
+                    step,
+                });
                 break;
             }
             if begins < h - within {
-                schedule.add(begins, command, step());
+                schedule.add(Begun {
+                    begins,
+                    command,
+                    step: step(),
+                });
             }
             age += self.aged(place + 1).span;
         }
@@ -470,10 +526,12 @@ impl<S: Scalar> UnderWay<S> {
         }
     }
 
-    /// Replaces the command of the last sample by the force that the driver sent `[N]`.
-    pub fn correct(&mut self, sent: S) {
+    /// Replaces the command of the last sample by the force that the driver sent: its mean over one period `[N]`, and its
+    /// slope `[N/s]`.
+    pub fn correct(&mut self, sent: S, slope: S) {
         if let Some(newest) = self.commands.get_mut(usize::from(self.newest)) {
             newest.command.sent = sent;
+            newest.command.slope = slope;
         }
     }
 

@@ -1,7 +1,7 @@
 //! Parameters of the contact and of its loop, checked once.
 
 use crate::Scalar;
-use crate::actuation::Actuation;
+use crate::actuation::{Actuation, Hold};
 use crate::guard::Guard;
 use crate::parameter::{Allowed, Parameter, ParameterError};
 
@@ -252,6 +252,24 @@ impl<S: Scalar> LoopParams<S> {
         .flatten()
         .chain(self.guard.faults())
         .chain(self.actuation.faults(self.period))
+        .chain(self.line_faults())
+    }
+
+    /// Returns the limits that a line hold excludes.
+    fn line_faults(&self) -> impl Iterator<Item = ParameterError> {
+        let is_line = self.actuation.hold == Hold::Line;
+        let slew = self.slew_limit.filter(|_| is_line).and_then(|limit| {
+            let allowed = Allowed::Words("absent with a line hold");
+            Parameter::SlewLimit.unless(false, limit, allowed).err()
+        });
+        let guard = self.guard.params().filter(|_| is_line).and_then(|guard| {
+            let allowed =
+                Allowed::Words("absent with a line hold: the guard bounds constant forces");
+            Parameter::GuardSpeed
+                .unless(false, guard.largest_speed, allowed)
+                .err()
+        });
+        [slew, guard].into_iter().flatten()
     }
 
     pub(crate) fn check(&self) -> Result<(), ParameterError> {

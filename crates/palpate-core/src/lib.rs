@@ -63,7 +63,7 @@ mod sample;
 mod scalar;
 mod transition;
 
-pub use actuation::{Actuation, LARGEST_DELAY, Transmission};
+pub use actuation::{Actuation, Hold, LARGEST_DELAY, Transmission};
 pub use actuator::{
     Actuator, Ahead, Command, Governed, Held, Impulse, Pending, Piece, UnderWay, Uneven,
 };

@@ -25,6 +25,8 @@ pub enum Parameter {
     Resonance,
     ResonanceDampingRatio,
     FlexibleMassFraction,
+    /// Order of the actuator's hold: 0 for a constant, 1 for a line.
+    HoldOrder,
     LargestGap,
     SpeedLimit,
     ForceLimit,
@@ -84,6 +86,7 @@ impl ParameterName for Parameter {
             Self::Resonance => "resonance",
             Self::ResonanceDampingRatio => "resonance_damping_ratio",
             Self::FlexibleMassFraction => "flexible_mass_fraction",
+            Self::HoldOrder => "order of the hold",
             Self::LargestGap => "largest_gap",
             Self::SpeedLimit => "speed_limit",
             Self::ForceLimit => "force_limit",
@@ -138,6 +141,7 @@ impl ParameterName for Parameter {
             | Self::GainDeviation
             | Self::ResonanceDampingRatio
             | Self::FlexibleMassFraction
+            | Self::HoldOrder
             | Self::Kappa
             | Self::ObjectKappa => Unit::One,
             Self::Setting(setting) => setting.unit().unwrap_or(Unit::One),

@@ -208,6 +208,7 @@ impl Settings {
                 scene.rendering(lane.method).map_err(|error| match error {
                     SetupError::Parameter(error) => by_field(&error),
                     SetupError::Settings(error) => error.to_string(),
+                    SetupError::HoldsConstant(_) => error.to_string(),
                 })
             })
             .collect()

@@ -76,6 +76,7 @@ mod tests {
         let output = Output {
             force_on_device: 1.0,
             force_on_object: 2.0,
+            slope_on_device: 0.0,
             object_position: 3.0,
             object_velocity: 4.0,
             penetration: 5.0,

@@ -1,12 +1,13 @@
 //! Range checks of scene parameters.
 
-use palpate_core::{Allowed, LARGEST_DELAY, Mass, Parameter, ParameterError, Range, Side};
+use palpate_core::{Allowed, Hold, LARGEST_DELAY, Mass, Parameter, ParameterError, Range, Side};
 use palpate_testbed::drivetrain::Transmission;
 use palpate_testbed::hold::DelayedHold;
 
 use super::parameter::SceneParameter::{self as Of, Rendered};
 use super::{
-    Hand, Intention, Measure, PantographDevice, PointMassDevice, Scene, SceneDevice, Wave,
+    Dropped, Hand, Intention, Jitter, Measure, PantographDevice, PointMassDevice, Scene,
+    SceneDevice, Wave,
 };
 
 /// Largest number, of either sign and in whatever unit: the squares and products of larger ones may not be finite.
@@ -186,11 +187,45 @@ impl Scene {
         for (range, parameter, value) in self.model.checked() {
             faults.within(range, &[(parameter, value)]);
         }
+        if self.hold() == Hold::Line {
+            self.check_line(faults);
+        }
         let longest = LARGEST_DELAY as f64 * self.loop_params.period;
         if let Some(delay) = self.model.delay
             && !(0.0..=longest * (1.0 + 1e-9)).contains(&delay)
         {
             faults.not(Of::ModelDelay, delay, "from 0 s to 8 periods");
+        }
+    }
+}
+
+impl Scene {
+    /// Checks what a line hold excludes: a line lasts one nominal period, without a lag.
+    fn check_line(&self, faults: &mut Faults) {
+        let mut refuse = |parameter: Of, value: f64| {
+            if value != 0.0 {
+                faults.not(parameter, value, "0 with loop.hold = \"line\"");
+            }
+        };
+        let timing = &self.timing;
+        refuse(Of::Lag, self.actuator.lag);
+        refuse(Of::CommandJitter, timing.command_jitter);
+        match timing.jitter {
+            Jitter::None => {}
+            Jitter::Uniform { bound } | Jitter::Normal { bound, .. } => refuse(Of::Jitter, bound),
+        }
+        match &timing.dropped {
+            Dropped::None => {}
+            Dropped::Probability(probability) => refuse(Of::DropProbability, *probability),
+            Dropped::Listed(samples) => refuse(Of::DroppedSamples, samples.len() as f64),
+        }
+        if let Some(collapse) = &timing.collapse {
+            let allowed = "absent with loop.hold = \"line\"";
+            faults.not(Of::CollapsePeriod, collapse.period, allowed);
+        }
+        if self.device.pantograph().is_some() {
+            let allowed = "0, \"constant\", for a linkage: its motors hold torques";
+            faults.not(Rendered(Parameter::HoldOrder), 1.0, allowed);
         }
     }
 }

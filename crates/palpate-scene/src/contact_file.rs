@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::io;
 use std::ops;
 
-use palpate_core::{Allowed, Contact, MethodParams as _, Parameter, Range};
+use palpate_core::{Allowed, Contact, Hold, MethodParams as _, Parameter, Range};
 use palpate_world::{Vector, out_of_range};
 use toml::Spanned;
 
@@ -119,6 +119,7 @@ impl ContactFile {
                 self.at_settings(method, setting, parameter.to_string())
             }
             SetupError::Settings(error) => self.locate_settings(method, error),
+            SetupError::HoldsConstant(_) => self.at(Parameter::HoldOrder.into(), error.to_string()),
         }
     }
 
@@ -293,6 +294,7 @@ impl Reading<'_> {
         let device = self.held_device(device, &mut places, files);
         let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
         let actuator = raw.r#loop.actuator(&mut places);
+        let hold = raw.r#loop.hold.clone();
         if let Some(alone) = raw.model.alone() {
             self.in_table("model", alone);
         }
@@ -302,7 +304,8 @@ impl Reading<'_> {
         let timing = timing.map_err(|(span, message)| (span, message.to_owned()));
         let (delay, timing) = self.or("loop", timing, (Delay::NONE, Timing::default()));
         self.refuse_torque(&raw.render);
-        let loop_params = raw.render.of_one_contact(period, &mut places);
+        let mut loop_params = raw.render.of_one_contact(period, &mut places);
+        loop_params.actuation.hold = places.take_or(Parameter::HoldOrder, hold, Hold::Constant);
         let scene = Scene {
             title: raw.title,
             contact,

@@ -64,7 +64,7 @@ pub use write::Unwritable;
 use std::collections::HashMap;
 
 use palpate_core::{
-    AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, ParameterError, Renderer,
+    AnyParams, AnyRenderer, Contact, Hold, LoopParams, Mass, ObjectState, ParameterError, Renderer,
     Rendering,
 };
 
@@ -131,6 +131,11 @@ pub enum SetupError {
     /// Settings and method do not go together.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// The actuator is to hold a line, and the method plans constants.
+    #[error(
+        "{0} plans a constant force, but loop.hold is \"line\"; coupled plans lines: use it, or loop.hold = \"constant\""
+    )]
+    HoldsConstant(MethodName),
 }
 
 impl From<ParameterError> for SetupError {
@@ -147,13 +152,22 @@ impl Scene {
         sign * self.object_radius
     }
 
+    /// Returns the force that the actuator holds for each command.
+    #[must_use]
+    pub fn hold(&self) -> Hold {
+        self.loop_params.actuation.hold
+    }
+
     /// The renderer of this scene by `method`.
     ///
     /// # Errors
     /// A parameter of the contact, the loop or the method outside its range; a setting that the
-    /// method cannot use.
+    /// method cannot use; a line hold that it cannot use.
     pub fn renderer(&self, method: MethodName) -> Result<AnyRenderer<f64>, SetupError> {
         let params = self.params(method)?;
+        if self.hold() == Hold::Line && method != MethodName::Coupled {
+            return Err(SetupError::HoldsConstant(method));
+        }
         let renderer = Renderer::new(self.contact, self.loop_params_with_delay(), params);
         renderer.map_err(SetupError::from)
     }

@@ -180,6 +180,7 @@ impl Scene {
             lag_deviation: model.lag_deviation.unwrap_or(0.0),
             gain_deviation: model.gain_deviation.unwrap_or(0.0),
             transmission: model.transmission,
+            hold: self.hold(),
         }
     }
 }

@@ -145,6 +145,7 @@ fn key_of_rendered(parameter: Parameter) -> &'static str {
         Parameter::Resonance => "model.resonance_hz",
         Parameter::ResonanceDampingRatio => "model.resonance_damping_ratio",
         Parameter::FlexibleMassFraction => "model.flexible_mass_fraction",
+        Parameter::HoldOrder => "loop.hold",
         // Parameters without a key in scenes.
         Parameter::DerivedDamping
         | Parameter::AxisOrigin

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use palpate_core::{Allowed, Parameter, ParameterError};
+use palpate_core::{Allowed, Hold, Parameter, ParameterError};
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::schedule::{ActuationDelay, Schedule, ScheduleParameter, ScheduleParams};
@@ -43,6 +43,7 @@ pub(crate) struct RawLoop {
     pub command_jitter_s: Option<Spanned<f64>>,
     pub lag_s: Option<Spanned<f64>>,
     pub gain: Option<Spanned<f64>>,
+    pub hold: Option<Spanned<Hold>>,
     pub jitter_s: Option<Spanned<f64>>,
     pub jitter_deviation_s: Option<Spanned<f64>>,
     pub drop_probability: Option<Spanned<f64>>,

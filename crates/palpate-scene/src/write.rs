@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use palpate_core::{Contact, Guard, LoopParams, Mass, ObjectState, ParameterValue};
+use palpate_core::{Contact, Guard, Hold, LoopParams, Mass, ObjectState, ParameterValue};
 use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::pantograph::SafetyBox;
 
@@ -49,7 +49,7 @@ impl Scene {
         };
         file.line("format", "2");
         file.line("title", &toml::Value::from(title.as_str()).to_string());
-        file.loop_table(loop_params.period, *delay, timing, *actuator);
+        file.loop_table(loop_params, *delay, timing, *actuator);
         file.device_tables(device)?;
         let object = (*object, *object_radius, *virtual_force);
         file.body_tables(*contact, object);
@@ -133,15 +133,25 @@ impl File {
         }
     }
 
-    /// Writes `[loop]`, with its period `[s]`.
-    fn loop_table(&mut self, period: f64, delay: Delay, timing: &Timing, actuator: ActuatorParams) {
+    /// Writes `[loop]`, with period and hold.
+    fn loop_table(
+        &mut self,
+        loop_params: &LoopParams<f64>,
+        delay: Delay,
+        timing: &Timing,
+        actuator: ActuatorParams,
+    ) {
         self.table("[loop]");
-        self.number("period_s", period);
+        self.number("period_s", loop_params.period);
         self.delay(delay);
         self.timing(timing);
         self.unless_zero("lag_s", actuator.lag);
         if actuator.gain != 1.0 {
             self.number("gain", actuator.gain);
+        }
+        let hold = loop_params.actuation.hold;
+        if hold != Hold::Constant {
+            self.line("hold", &format!("\"{}\"", hold.name()));
         }
     }
 

@@ -112,6 +112,36 @@ impl Actuator {
         self.drive_in_pieces(device, command, duration, LONGEST_PIECE)
     }
 
+    /// Moves `device` on for `duration` `[s]` while a line is held at the input of this actuator, with a mean of `command`
+    /// `[N]` over this duration and a `slope` `[N/s]`. A line is delivered without a lag.
+    ///
+    /// Each piece is held in two halves with its impulse and first moment. A mass under constant forces then ends with the
+    /// position, velocity and port work of the line.
+    pub fn drive_line(
+        &mut self,
+        device: &mut impl DevicePlant,
+        command: f64,
+        slope: f64,
+        duration: f64,
+    ) -> Delivered {
+        let (aim, slope) = (self.params.gain * command, self.params.gain * slope);
+        let pieces = (duration / LONGEST_PIECE).ceil().max(1.0);
+        let piece = duration / pieces;
+        let off = slope * piece / 3.0;
+        let (mut work, mut done) = (0.0, 0.0);
+        while done < pieces {
+            let mean = aim + slope * (piece * (done + 0.5) - 0.5 * duration);
+            work += device.advance(mean - off, 0.5 * piece);
+            work += device.advance(mean + off, 0.5 * piece);
+            done += 1.0;
+        }
+        self.force = aim + 0.5 * slope * duration;
+        Delivered {
+            mean_force: aim,
+            work,
+        }
+    }
+
     fn drive_in_pieces(
         &mut self,
         device: &mut impl DevicePlant,
@@ -235,6 +265,46 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// With f = f0 + s (t - T/2): v = v0 + (f_u - f0) t/m - s (t^2 - t T)/(2 m), and its integral.
+    #[test]
+    fn a_point_mass_follows_a_line_exactly_and_a_mass_in_a_hand_nearly() {
+        let (mass, push, duration) = (0.08, 0.4, 0.02);
+        let mut device = PointMass::new(mass, push).unwrap();
+        let mut real = actuator(0.9, 0.0);
+        for (command, slope) in [(5.0, 300.0), (-3.0, -90.0), (0.0, 50.0)] {
+            let (position, velocity, store) =
+                (device.position(), device.velocity(), device.stored_energy());
+            let given = real.drive_line(&mut device, command, slope, duration);
+            let acceleration = (push - 0.9 * command) / mass;
+            let travel = (velocity + 0.5 * acceleration * duration) * duration
+                + 0.9 * slope * duration.powi(3) / (12.0 * mass);
+            assert!((device.position() - position - travel).abs() < 1e-15);
+            assert!((device.velocity() - velocity - acceleration * duration).abs() < 1e-13);
+            assert!((store - device.stored_energy() - given.work).abs() < 1e-13);
+            assert_eq!(given.mean_force, 0.9 * command);
+            assert!((real.force() - 0.9 * (command + 0.5 * slope * duration)).abs() < 1e-12);
+        }
+        let hand = Hand::Impedance {
+            mass: 0.05,
+            stiffness: 300.0,
+            damping: 5.0,
+            intention: Intention::constant(0.001),
+            force: 1.0,
+            tremor: None,
+        };
+        let held = HeldMass::new(0.08, hand).unwrap();
+        let (mut whole, mut steps, mut real) = (held.clone(), held, actuator(1.0, 0.0));
+        real.drive_line(&mut whole, 3.0, 400.0, duration);
+        let count = 20_000;
+        let step = duration / f64::from(count);
+        for i in 0..count {
+            let at = (f64::from(i) + 0.5) * step - 0.5 * duration;
+            steps.advance(3.0 + 400.0 * at, step);
+        }
+        assert!((whole.position() - steps.position()).abs() < 1e-10);
+        assert!((whole.velocity() - steps.velocity()).abs() < 1e-8);
     }
 
     #[test]

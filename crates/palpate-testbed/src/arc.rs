@@ -18,6 +18,26 @@ pub(crate) struct Arc {
     pub at_end: RelativeState,
 }
 
+/// Integrals of the ideal force f over an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct ForceSums {
+    /// ∫ f dt `[N s]`.
+    pub impulse: f64,
+    /// ∫ f (t − t₀) dt about an instant t₀ `[N s²]`.
+    pub moment: f64,
+    /// ∫ f² dt `[N² s]`.
+    pub square: f64,
+}
+
+impl ForceSums {
+    /// Adds the integrals of another part of the interval, with a moment about an instant that is `later` `[s]`.
+    pub fn add(&mut self, part: Self, later: f64) {
+        self.impulse += part.impulse;
+        self.moment += part.moment + later * part.impulse;
+        self.square += part.square;
+    }
+}
+
 /// Abscissae and weights of the eight-point Gauss-Legendre rule on `[−1, 1]`, positive half.
 pub(crate) const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
@@ -50,18 +70,19 @@ impl Arc {
         }
     }
 
-    /// (∫ f dt `[N s]`, ∫ f² dt `[N² s]`) from `from` to `to`, both on this arc.
+    /// The integrals from `from` to `to`, both on this arc, with the moment about the middle.
     ///
     /// The rule is applied to spans of at most one radian, where its remainder for a harmonic and
     /// its square is below 1e-17 of the integral. Unlike the antiderivative it adds up only
     /// positive terms, so nothing cancels in short or soft contacts.
-    pub fn impulse_and_square(&self, from: f64, to: f64) -> (f64, f64) {
+    pub fn sums(&self, from: f64, to: f64) -> ForceSums {
         if !self.in_contact || to <= from {
-            return (0.0, 0.0);
+            return ForceSums::default();
         }
         let spans = ((to - from) * self.motion.rate).ceil().max(1.0);
         let half = 0.5 * (to - from) / spans;
-        let (mut sum, mut sum_of_squares) = (0.0, 0.0);
+        let (mut sum, mut sum_of_squares, mut moment) = (0.0, 0.0, 0.0);
+        let centre = 0.5 * (from + to) - self.start;
         let mut span = 0.0;
         while span < spans {
             let middle = from - self.start + half * (2.0 * span + 1.0);
@@ -70,12 +91,17 @@ impl Arc {
                     let p = self.state_after(s).penetration;
                     sum += weight * p;
                     sum_of_squares += weight * p * p;
+                    moment += weight * p * (s - centre);
                 }
             }
             span += 1.0;
         }
         let k = self.motion.stiffness;
-        (k * half * sum, k * k * half * sum_of_squares)
+        ForceSums {
+            impulse: k * half * sum,
+            moment: k * half * moment,
+            square: k * k * half * sum_of_squares,
+        }
     }
 
     /// Largest contact force `[N]` from `from` to `to`, both on this arc.

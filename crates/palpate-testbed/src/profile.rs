@@ -2,7 +2,7 @@
 //!
 //! Every ideal, coupled or driven, ends in this one type, so the same metrics apply to all.
 
-use crate::arc::Arc;
+use crate::arc::{Arc, ForceSums};
 use crate::grid::Grid;
 
 /// One collision of an ideal contact.
@@ -70,6 +70,7 @@ impl Snapshot {
 pub struct ForceProfile {
     grid: Grid,
     impulses: Vec<f64>,
+    moments: Vec<f64>,
     squared_forces: Vec<f64>,
     collisions: Vec<Collision>,
 }
@@ -78,42 +79,32 @@ impl ForceProfile {
     /// Gathers `arcs`, which follow each other and cover the window.
     pub(crate) fn from_arcs(arcs: &[Arc], grid: Grid) -> Self {
         let intervals = grid.intervals();
-        let mut impulses = Vec::with_capacity(intervals);
-        let mut squared_forces = Vec::with_capacity(intervals);
+        let mut sums = Vec::with_capacity(intervals);
         let mut first = 0;
         for interval in 0..intervals {
             let (begin, end) = (grid.edge(interval), grid.edge(interval + 1));
             while arcs.get(first).is_some_and(|arc| arc.end <= begin) {
                 first += 1;
             }
-            let (mut impulse, mut squared_force) = (0.0, 0.0);
+            let mut sum = ForceSums::default();
             for arc in arcs[first..].iter().take_while(|arc| arc.start < end) {
-                let (j, q) = arc.impulse_and_square(arc.start.max(begin), arc.end.min(end));
-                impulse += j;
-                squared_force += q;
+                let (from, to) = (arc.start.max(begin), arc.end.min(end));
+                sum.add(arc.sums(from, to), 0.5 * ((from - begin) + (to - end)));
             }
-            impulses.push(impulse);
-            squared_forces.push(squared_force);
+            sums.push(sum);
         }
-        Self {
-            impulses,
-            squared_forces,
-            collisions: collisions(arcs, grid.end()),
-            grid,
-        }
+        let collisions = collisions(arcs, grid.end());
+        Self::from_sums(grid, &sums, collisions)
     }
 
     /// A profile that has been integrated interval by interval.
-    pub(crate) fn from_parts(
-        grid: Grid,
-        impulses: Vec<f64>,
-        squared_forces: Vec<f64>,
-        collisions: Vec<Collision>,
-    ) -> Self {
+    /// The moments of `sums` are about the middles of the intervals.
+    pub(crate) fn from_sums(grid: Grid, sums: &[ForceSums], collisions: Vec<Collision>) -> Self {
         Self {
             grid,
-            impulses,
-            squared_forces,
+            impulses: sums.iter().map(|sum| sum.impulse).collect(),
+            moments: sums.iter().map(|sum| sum.moment).collect(),
+            squared_forces: sums.iter().map(|sum| sum.square).collect(),
             collisions,
         }
     }
@@ -148,6 +139,12 @@ impl ForceProfile {
         &self.impulses
     }
 
+    /// First moment J₁ = ∫ f (t − t₀) dt of each interval about its middle t₀ `[N s²]`.
+    #[must_use]
+    pub fn moments(&self) -> &[f64] {
+        &self.moments
+    }
+
     /// Q = ∫ f² dt of each interval `[N² s]`.
     #[must_use]
     pub fn squared_forces(&self) -> &[f64] {
@@ -160,6 +157,14 @@ impl ForceProfile {
             .iter()
             .zip(self.grid.durations())
             .map(|(impulse, duration)| impulse / duration)
+    }
+
+    /// Slope 12 J₁/h³ of each interval of length h `[N/s]`: that of the best line over it, whose mean is J/h.
+    pub fn slopes(&self) -> impl Iterator<Item = f64> + '_ {
+        self.moments
+            .iter()
+            .zip(self.grid.durations())
+            .map(|(moment, duration)| 12.0 * moment / duration.powi(3))
     }
 
     /// The collisions that begin before the window ends, in order.
@@ -182,7 +187,7 @@ fn collisions(arcs: &[Arc], until: f64) -> Vec<Collision> {
             break;
         }
         let end = arc.end.min(until);
-        let (impulse, _) = arc.impulse_and_square(arc.start, end);
+        let impulse = arc.sums(arc.start, end).impulse;
         let peak_force = arc.peak_force(arc.start, end);
         let released = arc.end <= until && arcs.get(index + 1).is_some_and(|next| !next.in_contact);
         let end = released.then_some(arc.end);

@@ -14,6 +14,7 @@
 use thiserror::Error;
 
 use crate::InvalidParameter;
+use crate::arc::ForceSums;
 use crate::device::DevicePlant;
 use crate::error::{finite, positive};
 use crate::grid::Grid;
@@ -148,7 +149,7 @@ pub fn integrate<D: DevicePlant + Clone>(
                 return Err(ReferenceError::NoCollisions);
             }
             while run.ended < count {
-                if run.impulses.len() >= LONGEST_SEARCH {
+                if run.sums.len() >= LONGEST_SEARCH {
                     return Err(ReferenceError::TooFewCollisions {
                         asked: count,
                         found: run.ended,
@@ -166,7 +167,7 @@ pub fn integrate<D: DevicePlant + Clone>(
             window
         }
     };
-    while run.impulses.len() < periods {
+    while run.sums.len() < periods {
         run.period();
     }
     Ok(run.finish(periods).0)
@@ -188,18 +189,14 @@ pub fn integrate_on<D: DevicePlant + Clone>(
     // The periods of an even grid are gathered anyway.
     run.cells = (!grid.is_even()).then(|| Cells::new(grid.clone()));
     // An excess of a millionth of a period is rounding.
-    while (run.impulses.len() as f64 + 1e-6) * scene.period < grid.end() {
+    while (run.sums.len() as f64 + 1e-6) * scene.period < grid.end() {
         run.period();
     }
-    let periods = run.impulses.len();
+    let periods = run.sums.len();
     let (reference, cells) = run.finish(periods);
     let profile = cells.map(|cells| {
-        ForceProfile::from_parts(
-            cells.grid,
-            cells.impulses,
-            cells.squared_forces,
-            reference.profile.collisions().to_vec(),
-        )
+        let collisions = reference.profile.collisions().to_vec();
+        ForceProfile::from_sums(cells.grid, &cells.sums, collisions)
     });
     let profile = profile.unwrap_or_else(|| reference.profile.clone());
     Ok((reference, profile))
@@ -208,16 +205,14 @@ pub fn integrate_on<D: DevicePlant + Clone>(
 /// Impulses and squares by the intervals of a grid, gathered step by step.
 struct Cells {
     grid: Grid,
-    impulses: Vec<f64>,
-    squared_forces: Vec<f64>,
+    sums: Vec<ForceSums>,
     current: usize,
 }
 
 impl Cells {
     fn new(grid: Grid) -> Self {
         Self {
-            impulses: vec![0.0; grid.intervals()],
-            squared_forces: vec![0.0; grid.intervals()],
+            sums: vec![ForceSums::default(); grid.intervals()],
             current: 0,
             grid,
         }
@@ -229,13 +224,19 @@ impl Cells {
         let end = time + h;
         let at = |instant: f64| before + (after - before) * ((instant - time) / h);
         let mut from = time;
-        while self.current < self.impulses.len() {
+        while self.current < self.sums.len() {
             let edge = self.grid.edge(self.current + 1);
             let to = edge.min(end);
             if to > from {
-                let (a, b) = (at(from), at(to));
-                self.impulses[self.current] += balanced_force(k, a, b) * (to - from);
-                self.squared_forces[self.current] += squared_force(k, a, b, to - from);
+                let (a, b, length) = (at(from), at(to), to - from);
+                let part = ForceSums {
+                    impulse: balanced_force(k, a, b) * length,
+                    moment: moment(k, a, b, length),
+                    square: squared_force(k, a, b, length),
+                };
+                let begin = self.grid.edge(self.current);
+                let later = 0.5 * ((from - begin) + (to - edge));
+                self.sums[self.current].add(part, later);
                 from = to;
             }
             if edge > end {
@@ -251,8 +252,8 @@ struct Run<'a, D> {
     device: D,
     object: Object,
     step: f64,
-    impulses: Vec<f64>,
-    squared_forces: Vec<f64>,
+    /// Of each period, with the moment about its middle.
+    sums: Vec<ForceSums>,
     collisions: Vec<Collision>,
     ended: usize,
     record: Vec<Snapshot>,
@@ -277,8 +278,7 @@ impl<'a, D: DevicePlant + Clone> Run<'a, D> {
             },
             device,
             step: scene.period / scene.steps_per_period as f64,
-            impulses: Vec::new(),
-            squared_forces: Vec::new(),
+            sums: Vec::new(),
             collisions: Vec::new(),
             ended: 0,
             record: Vec::new(),
@@ -305,23 +305,22 @@ impl<'a, D: DevicePlant + Clone> Run<'a, D> {
 
     /// One period of the loop.
     fn period(&mut self) {
-        let start = self.impulses.len() as f64 * self.scene.period;
+        let start = self.sums.len() as f64 * self.scene.period;
         self.device.sample(self.scene.period);
-        let (mut impulse, mut squared_force) = (0.0, 0.0);
+        let mut sum = ForceSums::default();
         for step in 0..self.scene.steps_per_period {
-            let (j, q) = self.step(start + step as f64 * self.step);
-            impulse += j;
-            squared_force += q;
+            let before = step as f64 * self.step;
+            let part = self.step(start + before);
+            sum.add(part, before - 0.5 * (self.scene.period - self.step));
             if (step + 1).is_multiple_of(self.scene.steps_per_period / POINTS_PER_PERIOD) {
                 self.keep(start + (step + 1) as f64 * self.step);
             }
         }
-        self.impulses.push(impulse);
-        self.squared_forces.push(squared_force);
+        self.sums.push(sum);
     }
 
-    /// One step from `time` `[s]`: the impulse and the integral of the force squared.
-    fn step(&mut self, time: f64) -> (f64, f64) {
+    /// One step from `time` `[s]`: the integrals of the force, with the moment about the step's middle.
+    fn step(&mut self, time: f64) -> ForceSums {
         let (k, h) = (self.scene.stiffness, self.step);
         let before = self.penetration();
         let approach = self.device.velocity() - self.object.velocity;
@@ -352,7 +351,11 @@ impl<'a, D: DevicePlant + Clone> Run<'a, D> {
         if let Some(cells) = &mut self.cells {
             cells.entry(k, time, h, before, after);
         }
-        (force * h, squared_force(k, before, after, h))
+        ForceSums {
+            impulse: force * h,
+            moment: moment(k, before, after, h),
+            square: squared_force(k, before, after, h),
+        }
     }
 
     fn follow_collision(&mut self, time: f64, before: f64, after: f64, speed: f64, force: f64) {
@@ -389,15 +392,13 @@ impl<'a, D: DevicePlant + Clone> Run<'a, D> {
 
     fn finish(mut self, periods: usize) -> (Reference, Option<Cells>) {
         let end = periods as f64 * self.scene.period;
-        self.impulses.truncate(periods);
-        self.squared_forces.truncate(periods);
+        self.sums.truncate(periods);
         self.record.truncate(periods * POINTS_PER_PERIOD + 1);
         self.collisions.retain(|collision| collision.start < end);
         let reference = Reference {
-            profile: ForceProfile::from_parts(
+            profile: ForceProfile::from_sums(
                 Grid::even(0.0, self.scene.period, periods),
-                self.impulses,
-                self.squared_forces,
+                &self.sums,
                 self.collisions,
             ),
             record: self.record,
@@ -412,6 +413,19 @@ fn squared_force(k: f64, before: f64, after: f64, h: f64) -> f64 {
     let (first, last) = (k * before.max(0.0), k * after.max(0.0));
     let share = in_contact(before, after);
     share * h * (first * first + first * last + last * last) / 3.0
+}
+
+/// Returns ∫ f (t − h/2) dt of the same force.
+fn moment(k: f64, before: f64, after: f64, h: f64) -> f64 {
+    let (first, last) = (k * before.max(0.0), k * after.max(0.0));
+    let pressed = in_contact(before, after) * h;
+    // A line over the pressed part, which begins or ends the step.
+    let later = if before > 0.0 {
+        pressed - h
+    } else {
+        h - pressed
+    };
+    pressed * (pressed * (last - first) / 12.0 + 0.25 * later * (first + last))
 }
 
 /// Mean force of a spring of stiffness `k` that takes the penetration from `before` to `after`,

@@ -10,7 +10,7 @@
 //! the result is that of the [closed form](crate::ideal), by other means.
 
 use crate::InvalidParameter;
-use crate::arc::GAUSS_LEGENDRE;
+use crate::arc::{ForceSums, GAUSS_LEGENDRE};
 use crate::error::positive;
 use crate::grid::Grid;
 use crate::ideal::{Ideal, PointMassScene};
@@ -58,22 +58,18 @@ impl ViscousIdeal {
             period,
             "less than 1e7 radians of the contact",
         )?;
-        let mut impulses = Vec::with_capacity(intervals);
-        let mut squared_forces = Vec::with_capacity(intervals);
+        let mut sums = Vec::with_capacity(intervals);
         let mut record = Vec::with_capacity(intervals + 1);
         record.push(motion.snapshot(0.0));
         for interval in 0..intervals {
             let start = interval as f64 * period;
-            let (impulse, squared_force) = motion.over(start, period);
-            impulses.push(impulse);
-            squared_forces.push(squared_force);
+            sums.push(motion.over(start, period));
             record.push(motion.snapshot((interval + 1) as f64 * period));
         }
         Ok(Self {
-            profile: ForceProfile::from_parts(
+            profile: ForceProfile::from_sums(
                 Grid::even(0.0, period, intervals),
-                impulses,
-                squared_forces,
+                &sums,
                 motion.collisions,
             ),
             record,
@@ -168,9 +164,9 @@ impl DeviceAndObject {
         });
     }
 
-    /// Moves on over a period; ∫ f dt and ∫ f² dt.
-    fn over(&mut self, start: f64, period: f64) -> (f64, f64) {
-        let (mut impulse, mut squared_force, mut done) = (0.0, 0.0, 0.0);
+    /// Moves on over a period; the integrals of the force, with the moment about the middle.
+    fn over(&mut self, start: f64, period: f64) -> ForceSums {
+        let (mut sum, mut done) = (ForceSums::default(), 0.0);
         for _ in 0..MAX_SPANS {
             let rate = if self.in_contact {
                 self.contact_rate
@@ -188,10 +184,9 @@ impl DeviceAndObject {
             let event = first_fall(&towards[..count]);
             let share = event.unwrap_or(1.0);
             if self.in_contact {
-                let (j, q) = self.impulse_and_square(&series, span, share);
-                impulse += j;
-                squared_force += q;
-                self.note_force(&series, share, j);
+                let part = self.sums(&series, span, share);
+                sum.add(part, done - 0.5 * period);
+                self.note_force(&series, share, part.impulse);
             }
             self.device_position += span * integral(&series.device[..count], share);
             self.penetration = value(&series.penetration[..count], share);
@@ -212,7 +207,7 @@ impl DeviceAndObject {
                 break;
             }
         }
-        (impulse, squared_force)
+        sum
     }
 
     /// The motion over `span` from now on, were there no event in it.
@@ -240,22 +235,24 @@ impl DeviceAndObject {
         }
     }
 
-    /// ∫ f dt and ∫ f² dt over the first `share` of the span.
-    fn impulse_and_square(&self, series: &Series, span: f64, share: f64) -> (f64, f64) {
+    /// The integrals over the first `share` of the span, with the moment about its beginning.
+    fn sums(&self, series: &Series, span: f64, share: f64) -> ForceSums {
         let p = &series.penetration[..series.count];
         let half = 0.5 * share;
-        let mut sum_of_squares = 0.0;
+        let (mut sum_of_squares, mut moment) = (0.0, 0.0);
         for (abscissa, weight) in GAUSS_LEGENDRE {
             for s in [half * (1.0 - abscissa), half * (1.0 + abscissa)] {
                 let at = value(p, s);
                 sum_of_squares += weight * at * at;
+                moment += weight * at * s;
             }
         }
         let k = self.stiffness;
-        (
-            k * span * integral(p, share),
-            k * k * span * half * sum_of_squares,
-        )
+        ForceSums {
+            impulse: k * span * integral(p, share),
+            moment: k * span * span * half * moment,
+            square: k * k * span * half * sum_of_squares,
+        }
     }
 
     /// EnergyLedger a part of the contact in progress.

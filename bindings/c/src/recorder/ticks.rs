@@ -218,6 +218,7 @@ impl Answer {
         CoreOutput {
             force_on_device: self.force_on_device,
             force_on_object: self.force_on_object,
+            slope_on_device: 0.0,
             object_position: self.object_position,
             object_velocity: self.object_velocity,
             penetration: self.penetration,

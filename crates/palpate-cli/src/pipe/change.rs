@@ -171,6 +171,7 @@ fn in_words(error: &SetupError) -> String {
     match error {
         SetupError::Parameter(error) => named(error),
         SetupError::Settings(error) => error.to_string(),
+        SetupError::HoldsConstant(_) => error.to_string(),
     }
 }
 

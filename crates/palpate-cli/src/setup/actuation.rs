@@ -1,7 +1,7 @@
 //! Converts flags and a device file to the actuation of a scene and the model values of its renderer.
 
 use palpate_core::{
-    Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission,
+    Actuation, Allowed, Hold, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission,
 };
 use palpate_scene::{Delay, Scene};
 use palpate_study::calibrate::Quantity;
@@ -270,6 +270,7 @@ impl ActuationFlags {
             lag_deviation: or_known(self.lag_deviation, known.lag_deviation, 0.0),
             gain_deviation: or_known(self.gain_deviation, known.gain_deviation, 0.0),
             transmission: self.transmission(file, None)?,
+            hold: Hold::Constant,
         })
     }
 

@@ -127,6 +127,8 @@ impl Flags {
             Parameter::FlexibleMassFraction => {
                 valued("--flexible-mass-fraction", of.flexible_mass_fraction)
             }
+            // A key of scenes alone.
+            Parameter::HoldOrder => None,
             Parameter::Setting(setting) => {
                 let is_given = self.settings().has(setting.key);
                 Some((flag_of_setting(setting).into(), is_given))
@@ -190,6 +192,7 @@ pub fn wrong_on_bench(error: &InvalidParameter) -> Failure {
 pub fn wrong_setup(error: &SetupError) -> Failure {
     match error {
         SetupError::Parameter(parameter) => wrong_flag(parameter),
+        SetupError::HoldsConstant(_) => Failure::Arguments(error.to_string()),
         SetupError::Settings(SettingsError::Unused { method, setting }) => {
             Failure::Arguments(format!(
                 "{} cannot be used by method {method}; it is for {}",

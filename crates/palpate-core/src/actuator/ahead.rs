@@ -1,6 +1,6 @@
 //! Commands before that of a sample: the forces that act before it, and the interval that it governs.
 
-use super::{Actuator, Command, Held, MAX_COMMANDS, Piece, Schedule, UnderWay};
+use super::{Actuator, Begun, Command, Held, Piece, Schedule, UnderWay};
 use crate::Scalar;
 
 /// Pending commands at a sample, before its own.
@@ -24,7 +24,10 @@ impl<'a, S: Scalar> Ahead<'a, S> {
     pub fn is_awaited(&self) -> bool {
         let delay = self.actuator.delay;
         let parts = (!self.actuator.is_at_once && delay > S::ZERO).then(|| self.schedule(delay));
-        parts.is_some_and(|parts| parts.parts(delay).any(|part| part.command.sent != S::ZERO))
+        parts.is_some_and(|parts| {
+            let mut parts = parts.parts(delay);
+            parts.any(|part| part.command.sent != S::ZERO || part.command.slope != S::ZERO)
+        })
     }
 
     /// Returns a bound on the impulse that the commands before this sample's can still give `[N s]`: the integral of
@@ -76,16 +79,25 @@ impl<'a, S: Scalar> Ahead<'a, S> {
                 if h <= S::ZERO {
                     continue;
                 }
-                let mut alone = Schedule {
-                    begun: [(S::ZERO, Command::default(), S::ZERO); MAX_COMMANDS],
-                    count: 0,
-                };
-                alone.add(S::ZERO, part.command, part.step);
-                each(actuator.pass(&mut felt, &alone, h));
+                each(actuator.pass(&mut felt, &Schedule::of(&part), h));
             }
         }
         let (carried, share) = actuator.shares(felt.sent, period);
         Governed { carried, share }
+    }
+
+    /// Returns the time from the sample to the begin of its command `[s]`.
+    #[must_use]
+    pub(crate) fn delay(&self) -> S {
+        self.actuator.delay
+    }
+
+    /// Returns the mean over the `h` `[s]` after its begin by which a line of `slope` `[N/s]`, delivered, differs from the
+    /// mean of its command `[N]`: 0 if h is the nominal period.
+    #[must_use]
+    pub(crate) fn line_off(&self, slope: S, h: S) -> S {
+        let actuator = self.actuator;
+        actuator.line(slope / actuator.gain, S::ZERO, h).mean
     }
 
     /// Returns whether the command of this sample begins at a sample.
@@ -94,26 +106,26 @@ impl<'a, S: Scalar> Ahead<'a, S> {
         self.actuator.is_whole
     }
 
-    /// Returns the force on the device in the next `h` `[s]`, if the command of this sample delivers `own` `[N]`.
-    pub fn over_next(&self, own: S, h: S) -> Held<S> {
+    /// Returns the force on the device in the next `h` `[s]`, if the command of this sample delivers `own` `[N]` with
+    /// `slope` `[N/s]`.
+    pub fn over_next(&self, own: S, slope: S, h: S) -> Held<S> {
         let actuator = self.actuator;
         let mut schedule = self.schedule(h);
         if actuator.delay < h {
             let own = own / actuator.gain;
-            let command = Command {
-                intended: own,
-                sent: own,
-            };
             // It is the last to begin.
-            let mut with_own = Schedule {
-                begun: [(S::ZERO, Command::default(), S::ZERO); MAX_COMMANDS],
-                count: 0,
-            };
-            with_own.add(actuator.delay, command, S::ZERO);
-            for place in 0..schedule.count {
-                if let Some((begins, command, step)) = schedule.begun.get(place).copied() {
-                    with_own.add(begins, command, step);
-                }
+            let mut with_own = Schedule::empty();
+            with_own.add(Begun {
+                begins: actuator.delay,
+                command: Command {
+                    intended: own,
+                    sent: own,
+                    slope: slope / actuator.gain,
+                },
+                step: S::ZERO,
+            });
+            for begun in schedule.begun() {
+                with_own.add(*begun);
             }
             schedule = with_own;
         }

@@ -177,6 +177,32 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     }
 
     #[inline]
+    fn plans_lines(&self) -> bool {
+        match self {
+            Self::Basic(_) => false,
+            $(Self::$Variant(method) => Method::<S>::plans_lines(method),)*
+        }
+    }
+
+    #[inline]
+    fn slope(&self, memory: &AnyMemory<S>) -> S {
+        match self {
+            Self::Basic(_) => S::ZERO,
+            $(Self::$Variant(method) => method.slope(&part!(memory $($own)? $($shared)?)),)*
+        }
+    }
+
+    #[inline]
+    fn device_acceleration(&self, memory: &AnyMemory<S>) -> S {
+        match self {
+            Self::Basic(_) => S::ZERO,
+            $(Self::$Variant(method) => {
+                method.device_acceleration(&part!(memory $($own)? $($shared)?))
+            })*
+        }
+    }
+
+    #[inline]
     fn yields_to_limit(&self) -> bool {
         match self {
             Self::Basic(_) => false,

@@ -1,6 +1,7 @@
 //! Coupled rendering: predicts device and object together, and holds the mean of the contact force between them.
 
 mod interval;
+mod line;
 mod saturation;
 
 use interval::{Interval, Moved, ProxyState, rule};
@@ -10,6 +11,7 @@ use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use super::named::{FromSettings, MethodInfo, MethodName};
 use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 use crate::Scalar;
+use crate::actuation::Hold;
 use crate::actuator::Held;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion};
@@ -143,6 +145,7 @@ pub struct Coupled<S> {
     timing_deviation: S,
     flexure: Option<Flexure<S>>,
     saturation: Saturation<S>,
+    hold: Hold,
 }
 
 /// Memory of coupled rendering.
@@ -167,6 +170,10 @@ pub struct CoupledMemory<S> {
     is_limited: bool,
     /// Shift of the object over the last interval `[m]`.
     shift: S,
+    /// Slope of the last planned force `[N/s]`; 0 with a constant hold.
+    slope: S,
+    /// Mean acceleration of the device over the last interval `[m/s^2]`; 0 with a constant hold.
+    acceleration: S,
 }
 
 impl<S: Scalar> CoupledMemory<S> {
@@ -255,6 +262,7 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
                 force: largest,
                 penetration: largest / contact.stiffness,
             },
+            hold: loop_params.actuation.hold,
         })
     }
 
@@ -302,6 +310,9 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         }
         let certainty = observer.damping_certainty();
         let device = if self.correction { smoothed } else { before };
+        if self.hold == Hold::Line {
+            memory.acceleration = smoothed.under(&ended.held, ended.elapsed).1 / ended.elapsed;
+        }
         // The position of a wall is exact.
         let lesson = lesson
             .as_ref()
@@ -411,16 +422,21 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             memory.impulse_error = S::ZERO;
             memory.given_up = proxy.speed;
         }
-        let force = governed.with_mean(mean, period);
+        let mut force = governed.with_mean(mean, period);
+        let mut held = Held::constant(mean);
+        if self.hold == Hold::Line {
+            memory.slope = self.slope(observer, &device, &interval, proxy.sway, now.ahead.delay());
+            force -= now.ahead.line_off(memory.slope, period);
+            held = Held::line(mean, memory.slope, period);
+        }
         let planned = first.filter(|_| now.ahead.is_whole());
         let (moved, rule) = planned.unwrap_or_else(|| {
-            let mut held = Held::constant(mean);
             let mut from = interval;
             if !now.ahead.is_whole() {
                 // A command begins between this sample and the next.
                 (device, relative, object_velocity, proxy) = at_sample;
                 from = self.interval(motion, &device, relative, proxy.sway, virtual_force, period);
-                held = now.ahead.over_next(force, period);
+                held = now.ahead.over_next(force, memory.slope, period);
             }
             let velocity = object_velocity;
             let moved = self.object_moved(&from, &device, velocity, virtual_force, &held, &proxy);
@@ -458,6 +474,21 @@ impl<S: Scalar> Method<S> for Coupled<S> {
     #[inline]
     fn is_limited(&self, memory: &CoupledMemory<S>) -> bool {
         memory.is_limited
+    }
+
+    #[inline]
+    fn plans_lines(&self) -> bool {
+        true
+    }
+
+    #[inline]
+    fn slope(&self, memory: &CoupledMemory<S>) -> S {
+        memory.slope
+    }
+
+    #[inline]
+    fn device_acceleration(&self, memory: &CoupledMemory<S>) -> S {
+        memory.acceleration
     }
 
     #[inline]

@@ -95,6 +95,25 @@ pub trait Method<S: Scalar>: Copy + Debug {
         false
     }
 
+    /// Returns whether the method plans lines for a line [`Hold`](crate::Hold).
+    #[inline]
+    fn plans_lines(&self) -> bool {
+        false
+    }
+
+    /// Returns the slope of the last planned force `[N/s]`.
+    #[inline]
+    fn slope(&self, _memory: &Self::Memory) -> S {
+        S::ZERO
+    }
+
+    /// Returns the estimated mean acceleration of the device over the last concluded interval `[m/s^2]`: the ledger's
+    /// work of a line.
+    #[inline]
+    fn device_acceleration(&self, _memory: &Self::Memory) -> S {
+        S::ZERO
+    }
+
     /// Returns whether the object moves as if the contact were a spring up to the force limit and that force beyond it.
     #[inline]
     fn yields_to_limit(&self) -> bool {

@@ -37,10 +37,11 @@ pub use setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsE
 pub use state::State;
 
 use crate::Scalar;
+use crate::actuation::Hold;
 use crate::actuator::Actuator;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{ObjectMotion, ObjectState, Start};
-use crate::parameter::{Parameter, ParameterError};
+use crate::parameter::{Allowed, Parameter, ParameterError};
 use crate::sample::Limited;
 use state::DeviceTrack;
 
@@ -59,6 +60,7 @@ pub struct Renderer<S, M> {
     speed_limit: S,
     force_limit: S,
     slew_limit: S,
+    holds_lines: bool,
     /// Penetration above which the contact yields with the largest force; infinite if it does not yield `[m]`.
     yields_at: S,
 }
@@ -79,6 +81,12 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         contact.check()?;
         loop_params.check()?;
         let method = method.check(&contact, &loop_params)?;
+        let holds_lines = loop_params.actuation.hold == Hold::Line;
+        Parameter::HoldOrder.unless(
+            method.plans_lines() || !holds_lines,
+            S::ONE,
+            Allowed::Words("0, a constant: of the methods, only coupled plans a line"),
+        )?;
         let unlimited = S::INFINITY;
         let gain = loop_params.actuation.limit_gain();
         // The limits apply to the command and to the force that the modelled gain makes of it.
@@ -102,6 +110,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             speed_limit: loop_params.speed_limit.unwrap_or(unlimited),
             force_limit,
             slew_limit: loop_params.slew_limit.unwrap_or(unlimited) / gain,
+            holds_lines,
             yields_at,
         })
     }
@@ -164,11 +173,17 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         self.method.lateness(&state.memory)
     }
 
-    /// Replaces the last output by the force on the object that was actually sent `[N]`, for example after saturation.
-    /// Its delay and lag are those of the output. Non-finite values are ignored.
+    /// Replaces the last output by the force on the object that was actually sent `[N]`, a constant, for example after
+    /// saturation. Its delay and lag are those of the output. Non-finite values are ignored.
     pub fn report_sent(&self, state: &mut State<S, M::Memory>, force_on_object: S) {
-        if force_on_object.is_finite() {
-            state.under_way.correct(self.sign * force_on_object);
+        self.report_sent_line(state, force_on_object, S::ZERO);
+    }
+
+    /// Replaces the last output by the line of the force on the object that was actually sent: its mean `[N]` and its
+    /// slope `[N/s]`. Non-finite values are ignored.
+    pub fn report_sent_line(&self, state: &mut State<S, M::Memory>, mean: S, slope: S) {
+        if mean.is_finite() && slope.is_finite() {
+            state.under_way.correct(self.sign * mean, self.sign * slope);
         }
     }
 

@@ -17,6 +17,8 @@ pub struct State<S, Memory> {
     pub(super) teleport: Option<ObjectState<S>>,
     /// Force commanded at the last sample `[N]`.
     pub(super) commanded: S,
+    /// Slope commanded at the last sample `[N/s]`.
+    pub(super) commanded_slope: S,
     pub(super) under_way: UnderWay<S>,
     pub(super) memory: Memory,
     pub(super) ledger: Ledger<S>,
@@ -85,6 +87,7 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
             device: DeviceTrack::Unknown,
             teleport: None,
             commanded: S::ZERO,
+            commanded_slope: S::ZERO,
             under_way: UnderWay::nothing(),
             memory: Memory::default(),
             ledger: Ledger::default(),
@@ -154,5 +157,6 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
         }
         self.device = DeviceTrack::Lost(traces);
         self.commanded = S::ZERO;
+        self.commanded_slope = S::ZERO;
     }
 }

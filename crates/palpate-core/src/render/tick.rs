@@ -213,9 +213,15 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                     mean: interval.reported.unwrap_or(recorded.mean),
                     ..*recorded
                 };
+                let mut port_work = recorded.mean * device_moved;
+                if self.holds_lines {
+                    // The device's velocity follows a constant acceleration and the force. The integral of f times the
+                    // latter part vanishes for f minus its mean.
+                    port_work -= recorded.lead * self.method.device_acceleration(&state.memory);
+                }
                 let closed = state.ledger.close(&Closing {
                     stored: self.stored_energy(device - object.position, object.velocity),
-                    port_work: recorded.mean * device_moved,
+                    port_work,
                     virtual_force_work: virtual_force * moved.by,
                     original_work: interval.original_force * device_moved,
                     part_sent: self.part_sent(passed),
@@ -324,11 +330,36 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             }
         }
         state.commanded = commanded;
+        if self.holds_lines {
+            let slope = self.method.slope(&state.memory) / gain;
+            state.commanded_slope = self.bounded_slope(slope, commanded, &mut limited);
+        }
         state.under_way.send(Command {
             intended,
             sent: commanded,
+            slope: state.commanded_slope,
         });
         limited
+    }
+
+    /// Returns the slope `[N/s]` with which the ends of a line of mean `commanded` `[N]` stay within the pull and force
+    /// limits: 0 if it is not finite.
+    #[inline(never)]
+    fn bounded_slope(&self, slope: S, commanded: S, limited: &mut Limited) -> S {
+        if !slope.is_finite() {
+            return S::ZERO;
+        }
+        let half = S::HALF * self.motion.period();
+        let (mut slope, room) = (slope, (self.force_limit - commanded.abs()).max(S::ZERO));
+        if self.contact.unilateral && slope.abs() * half > commanded {
+            slope = slope.within(commanded.max(S::ZERO) / half);
+            limited.pull = true;
+        }
+        if slope.abs() * half > room {
+            slope = slope.within(room / half);
+            limited.force = true;
+        }
+        slope
     }
 
     /// Returns the output of a tick with the contact `rule` of its interval.
@@ -351,6 +382,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         Output {
             force_on_device: S::ZERO - force,
             force_on_object: force,
+            slope_on_device: S::ZERO - self.sign * state.commanded_slope,
             object_position: self.sign * state.object.position,
             object_velocity: self.sign * state.object.velocity,
             penetration,
@@ -445,6 +477,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         Output {
             force_on_device: S::ZERO,
             force_on_object: S::ZERO,
+            slope_on_device: S::ZERO,
             object_position: self.sign * state.object.position,
             object_velocity: self.sign * state.object.velocity,
             penetration: S::ZERO,

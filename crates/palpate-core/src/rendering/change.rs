@@ -27,6 +27,8 @@ pub enum ChangeError {
         /// Period of the loop `[s]`.
         running: f64,
     },
+    /// The actuator holds what it holds.
+    Hold,
     /// With the other side of measurement, the device would be deep in the object.
     Side,
 }
@@ -39,6 +41,7 @@ impl fmt::Display for ChangeError {
                 f,
                 "the period is {given} s, and the loop runs at {running} s; stop the loop to change its period"
             ),
+            Self::Hold => f.write_str("the hold of the actuator cannot change while the loop runs"),
             Self::Side => f.write_str(
                 "the object cannot change to the other side of the device while the loop runs",
             ),
@@ -67,6 +70,13 @@ impl<S: Scalar> Change<S> {
                 given: given.to_f64(),
                 running: period.to_f64(),
             });
+        }
+        let (hold, before) = (
+            rendering.loop_params.actuation.hold,
+            running.loop_params.actuation.hold,
+        );
+        if hold != before {
+            return Err(ChangeError::Hold);
         }
         if rendering.contact.side != running.contact.side {
             return Err(ChangeError::Side);

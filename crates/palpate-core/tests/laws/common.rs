@@ -183,6 +183,17 @@ impl PointMass {
         self.position += (self.velocity + 0.5 * acceleration * time) * time;
         self.velocity += acceleration * time;
     }
+
+    /// Holds a line of this mean over `time` and returns the work of the force on the object through the port.
+    pub fn hold_line(&mut self, force_on_device: f64, slope: f64, time: f64) -> f64 {
+        let (from, speed) = (self.position, self.velocity);
+        self.hold(force_on_device, time);
+        self.position -= slope * time.powi(3) / (12.0 * self.mass);
+        // The slope does work on the linear part of the velocity only.
+        let accelerated = (self.velocity - speed) / time;
+        let of_slope = slope * time.powi(3) / 12.0 * accelerated;
+        -(force_on_device * (self.position - from) + of_slope)
+    }
 }
 
 /// SplitMix64: a known, small, platform-independent generator.
@@ -217,6 +228,7 @@ pub fn every_number_is_finite<S: Scalar>(output: &Output<S>) -> bool {
         output.object_velocity,
         output.penetration,
         output.transition_after,
+        output.slope_on_device,
     ]
     .iter()
     .all(|number| number.is_finite())

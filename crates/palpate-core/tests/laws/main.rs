@@ -14,6 +14,7 @@ mod guard_attack;
 mod hfcr;
 mod ledger;
 mod limits;
+mod line;
 mod measured_period;
 mod modified_force;
 mod outside;

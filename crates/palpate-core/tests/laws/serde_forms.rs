@@ -57,6 +57,7 @@ fn every_parameter_type_comes_back_from_json_and_toml() {
             }),
         }),
     });
+    comes_back(Actuation::after(0.0005).with_line());
     for mass in [Mass::Finite(0.1), Mass::Infinite] {
         comes_back(mass);
     }

@@ -75,7 +75,8 @@ impl Parameters {
 /// Creates both ends of the parameters of a loop that starts with `rendering`.
 ///
 /// A [`ControlLoop`](crate::ControlLoop) does this itself. This function serves other loops; their commands must pass
-/// a [`Safety`](crate::safety::Safety).
+/// a [`Safety`](crate::safety::Safety). With a line [`Hold`](palpate_core::Hold) they command the slope of each output
+/// too, and report it with [`Rendered::report_sent_line`].
 ///
 /// # Errors
 /// The first parameter outside its range.

@@ -1,6 +1,8 @@
 //! One contact along an axis of the device's frame, in the loop.
 
-use palpate_core::{Actuation, AlongAxis, Output, ParameterError, Sample};
+use palpate_core::{
+    Actuation, Allowed, AlongAxis, Hold, Output, Parameter, ParameterError, Sample,
+};
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags};
 
@@ -22,8 +24,15 @@ pub struct OneContact {
 }
 
 impl OneContact {
-    /// Creates a contact along the first axis of the device.
+    /// Creates a contact along the first axis of the device. Rejects a line hold.
     pub(crate) fn new(rendering: Rendering) -> Result<Self, ParameterError> {
+        if rendering.loop_params.actuation.hold == Hold::Line {
+            return Err(ParameterError {
+                parameter: Parameter::HoldOrder,
+                value: 1.0,
+                allowed: Allowed::Words("0, a constant: a driver's wrench is held constant"),
+            });
+        }
         let (parameters, rendered) = parameters(rendering)?;
         Ok(Self {
             axis: AlongAxis::new([0.0; 3], [1.0, 0.0, 0.0])?,

@@ -1,10 +1,10 @@
 //! True values of an actuator and the renderer's model values, under the names of scene files.
 
-use palpate_core::{Actuation, LARGEST_DELAY};
+use palpate_core::{Actuation, Hold, LARGEST_DELAY};
 use palpate_scene::Scene;
 
-/// Returns the true values of a scene's actuator and its renderer's model values, by key. Empty for an ideal actuator
-/// with a correctly modelled delay of whole samples.
+/// Returns the true values of a scene's actuator and its renderer's model values, by key, and `hold_order` 1 if it holds
+/// lines. Empty for an ideal actuator of constants with a correctly modelled delay of whole samples.
 #[must_use]
 pub fn of(scene: &Scene) -> Vec<(&'static str, f64)> {
     let actuation = scene.model_actuation();
@@ -12,6 +12,9 @@ pub fn of(scene: &Scene) -> Vec<(&'static str, f64)> {
     let truth = &scene.actuator;
     if truth.lag != 0.0 || truth.gain != 1.0 {
         lines.extend([("lag_s", truth.lag), ("gain", truth.gain)]);
+    }
+    if actuation.hold == Hold::Line {
+        lines.push(("hold_order", 1.0));
     }
     lines.extend(model(
         &actuation,
@@ -27,7 +30,11 @@ pub fn model(
     samples: usize,
     period: f64,
 ) -> impl Iterator<Item = (&'static str, f64)> + use<> {
-    let as_usual = *model == Actuation::after_samples(samples.min(LARGEST_DELAY), period);
+    let usual = Actuation {
+        hold: model.hold,
+        ..Actuation::after_samples(samples.min(LARGEST_DELAY), period)
+    };
+    let as_usual = *model == usual;
     let transmission = model.transmission.map(|it| {
         [
             ("model_resonance_hz", it.resonance),

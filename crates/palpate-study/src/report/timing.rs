@@ -1,5 +1,6 @@
 //! Imperfections of a loop, under the names of scene files.
 
+use palpate_core::Hold;
 use palpate_scene::{Delay, Dropped, Jitter, Timing};
 use serde_json::{Map, Value, json};
 
@@ -59,6 +60,9 @@ pub fn of(delay: Delay, timing: &Timing) -> Map<String, Value> {
 pub(super) fn in_words(subject: &Subject) -> String {
     let (delay, timing) = (subject.delay, &subject.timing);
     let mut words = Vec::new();
+    if subject.loop_params.actuation.hold == Hold::Line {
+        words.push("each command is a line".to_owned());
+    }
     let milliseconds = |seconds: f64| crate::text::digits(1e3 * seconds);
     if delay.seconds() > 0.0 {
         let after = milliseconds(delay.seconds());

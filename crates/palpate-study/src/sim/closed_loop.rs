@@ -9,7 +9,7 @@ use palpate_testbed::profile::{ForceProfile, Snapshot};
 use palpate_testbed::reference::{self, ReferenceScene, Stop};
 use palpate_testbed::timeline::Timeline;
 
-use palpate_core::{Mass, Method, MethodParams, ParameterValue, Renderer};
+use palpate_core::{Hold, Mass, Method, MethodParams, ParameterValue, Renderer};
 
 use crate::sim::loop_record::LoopRecord;
 use crate::sim::own_device::{OwnDevice, Seen};
@@ -77,7 +77,10 @@ impl<'a> Bench<'a> {
     /// The bench of a scene that was checked, whose ideal is known in closed form where `is_free`.
     fn on(scene: &'a Scene, plant: Plant, is_free: bool) -> Result<Self, LoopError> {
         // Checks contact and loop, whatever the method.
-        scene.renderer(scene.method)?;
+        scene.renderer(match scene.hold() {
+            Hold::Constant => scene.method,
+            Hold::Line => MethodName::Coupled,
+        })?;
         let sign: f64 = scene.contact.side.sign();
         let period = scene.loop_params.period;
         let too_long = |periods: f64| {
@@ -302,6 +305,10 @@ impl<'a> Bench<'a> {
             .iter()
             .map(|held| self.sign * held.force_on_object)
             .collect();
+        let slopes: Vec<f64> = held
+            .iter()
+            .map(|held| self.sign * held.slope_on_object)
+            .collect();
         let profile = &self.reference.profile;
         let energy = self.energy_evaluation(&forces, &snapshots);
         Run {
@@ -309,7 +316,11 @@ impl<'a> Bench<'a> {
             parameters,
             ticks,
             held,
-            force: ForceEvaluation::new(&forces, profile).expect("one force per interval"),
+            force: match scene.hold() {
+                Hold::Constant => ForceEvaluation::new(&forces, profile),
+                Hold::Line => ForceEvaluation::of_lines(&forces, &slopes, profile),
+            }
+            .expect("one force per interval"),
             jammed_at,
             left_box_at,
             diverged: Some(self.has_diverged(

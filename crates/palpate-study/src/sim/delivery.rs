@@ -116,6 +116,7 @@ impl Delivery {
             means.push(Held {
                 from,
                 force_on_object: mean,
+                slope_on_object: 0.0,
             });
         }
         // No command is held at the window's end; its sample sees the force that would act.

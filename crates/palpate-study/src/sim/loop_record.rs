@@ -52,8 +52,7 @@ impl LoopRecord {
                 let sampled = record.take_sample(in_progress, index, &samples[index]);
                 (index, sampled)
             });
-            let command = record.command(stretch, answer.as_ref());
-            let sent = in_progress.given_force(command);
+            let (sent, slope) = record.sent(in_progress, stretch, answer.as_ref());
             let force = in_progress.acting_force(sent);
             if let Some((index, sampled)) = answer {
                 record.add_tick(in_progress, &samples[index], sampled, force);
@@ -63,10 +62,11 @@ impl LoopRecord {
                 record.held.push(Held {
                     from: grid.edge(record.held.len()),
                     force_on_object: force,
+                    slope_on_object: in_progress.actuator.params().gain * slope,
                 });
             }
             if stretch.duration > 0.0 {
-                record.drive(in_progress, sent, stretch.duration);
+                record.drive(in_progress, (sent, slope), stretch.duration);
             }
         }
         record
@@ -83,21 +83,28 @@ impl LoopRecord {
         // Nothing was measured before the first sample.
         let measured_time = (index > 0).then_some(sample.elapsed);
         let sampled = in_progress.sample(sample.elapsed, measured_time);
-        let sent = in_progress.given_force(sampled.output.force_on_object);
-        in_progress.report_sent(sent);
+        let (sent, slope) = in_progress.given_line(&sampled.output);
+        in_progress.report_sent_line(sent, slope);
         if self.left_box_at.is_none() && in_progress.device.has_left_box() {
             self.left_box_at = Some(self.time);
         }
         sampled
     }
 
-    /// Returns the command that is held in `stretch` `[N]`, in the user's frame; `answer` is that of its own sample.
-    fn command(&self, stretch: &Stretch, answer: Option<&(usize, Sampled)>) -> f64 {
-        match (stretch.command, answer) {
-            (None, _) => 0.0,
-            (Some(own), Some((index, sampled))) if own == *index => sampled.output.force_on_object,
-            (Some(earlier), _) => self.ticks[earlier].output.force_on_object,
-        }
+    /// Returns the line that is held in `stretch`, in the user's frame: its mean over one period `[N]`, and its slope
+    /// `[N/s]`. `answer` is that of the stretch's own sample.
+    fn sent<M: Method<f64>>(
+        &self,
+        in_progress: &SampledLoop<'_, M, Plant>,
+        stretch: &Stretch,
+        answer: Option<&(usize, Sampled)>,
+    ) -> (f64, f64) {
+        let output = match (stretch.command, answer) {
+            (None, _) => return (in_progress.given_force(0.0), 0.0),
+            (Some(own), Some((index, sampled))) if own == *index => &sampled.output,
+            (Some(earlier), _) => &self.ticks[earlier].output,
+        };
+        in_progress.given_line(output)
     }
 
     /// Adds a sample and its answer, with the `force` that acts on the object after it `[N]`, in the user's frame.
@@ -129,14 +136,23 @@ impl LoopRecord {
         });
     }
 
-    /// Moves the device while `sent` `[N]` is held at the actuator's input for `duration` `[s]`.
+    /// Moves the device while a line is held at the actuator's input for `duration` `[s]`: its mean over one period `[N]`,
+    /// and its slope `[N/s]`.
     fn drive<M: Method<f64>>(
         &mut self,
         in_progress: &mut SampledLoop<'_, M, Plant>,
-        sent: f64,
+        (sent, slope): (f64, f64),
         duration: f64,
     ) {
-        let driven = in_progress.drive(sent, duration);
+        let driven = if slope == 0.0 {
+            in_progress.drive(sent, duration)
+        } else {
+            // The line began with the interval of the grid.
+            let period = in_progress.renderer.loop_params().period;
+            let middle = self.delivered.duration + 0.5 * duration;
+            let mean = sent + slope * (middle - 0.5 * period);
+            in_progress.drive_line(mean, slope, duration)
+        };
         self.port_work += driven.work;
         self.delivered.add(driven.mean_force, duration);
         if let (Some(held), Some(mean)) = (self.held.last_mut(), self.delivered.mean()) {

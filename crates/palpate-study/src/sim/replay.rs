@@ -5,8 +5,8 @@
 //! by the recording at its full rate, linear between its samples.
 
 use palpate_core::{
-    Actuation, AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, Method,
-    MethodParams, ObjectState, ParameterValue, Renderer, Sample,
+    Actuation, Allowed, AnyParams, AnyRenderer, Contact, Hold, LARGEST_DELAY, LoopParams, Mass,
+    Method, MethodParams, ObjectState, Parameter, ParameterError, ParameterValue, Renderer, Sample,
 };
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
@@ -363,6 +363,13 @@ impl Replay {
 
 /// Checks contact, loop and object, whatever the method.
 fn check(setup: &ReplaySetup) -> Result<(), SetupError> {
+    if setup.actuation.hold == Hold::Line {
+        return Err(SetupError::from(ParameterError {
+            parameter: Parameter::HoldOrder,
+            value: 1.0,
+            allowed: Allowed::Words("0, a constant: a recorded motion is rendered with constants"),
+        }));
+    }
     Renderer::new(setup.contact, setup.loop_params, palpate_core::BasicParams)
         .and_then(|renderer| renderer.start(setup.object))?;
     Ok(())

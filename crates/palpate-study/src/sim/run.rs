@@ -35,8 +35,10 @@ pub struct Tick {
 pub struct Held {
     /// Start time `[s]`.
     pub from: f64,
-    /// Force on the object `[N]`.
+    /// Force on the object `[N]`: of a line its mean.
     pub force_on_object: f64,
+    /// Slope of the line that is held `[N/s]`; 0 for a constant.
+    pub slope_on_object: f64,
 }
 
 /// The method of a run.
@@ -176,10 +178,20 @@ impl Run {
 
     /// Strongest pull on the object over the run, as a force that is not negative `[N]`.
     pub fn strongest_pull(&self, sign: f64) -> f64 {
-        self.ticks
+        let held = self
+            .ticks
             .iter()
-            .map(|tick| -sign * tick.held_force_on_object)
-            .fold(0.0, f64::max)
+            .map(|tick| -sign * tick.held_force_on_object);
+        let ends = self.held.iter().skip(1).map(|held| held.from);
+        let lines = self.held.iter().zip(ends.chain([self.last().time]));
+        let ends_of_lines =
+            lines
+                .filter(|(held, _)| held.slope_on_object != 0.0)
+                .map(|(held, end)| {
+                    let rise = 0.5 * (end - held.from) * held.slope_on_object.abs();
+                    rise - sign * held.force_on_object
+                });
+        held.chain(ends_of_lines).fold(0.0, f64::max)
     }
 }
 

@@ -135,6 +135,26 @@ impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
         self.sign * self.device.given_force(self.sign * command)
     }
 
+    /// Returns the line on the object that is sent to the motor for an output: its mean `[N]`, and the slope `[N/s]` with
+    /// which its ends stay within the motor's limit.
+    #[inline]
+    pub fn given_line(&self, output: &Output<f64>) -> (f64, f64) {
+        let mean = self.given_force(output.force_on_object);
+        let slope = -output.slope_on_device;
+        if slope == 0.0 {
+            return (mean, 0.0);
+        }
+        let room = self.given_force(f64::INFINITY).abs() - mean.abs();
+        let steepest = room / (0.5 * self.renderer.loop_params().period);
+        (mean, slope.clamp(-steepest, steepest))
+    }
+
+    /// Tells the renderer the line that was sent for its last output: its mean `[N]` and its slope `[N/s]`.
+    #[inline]
+    pub fn report_sent_line(&mut self, mean: f64, slope: f64) {
+        self.renderer.report_sent_line(&mut self.state, mean, slope);
+    }
+
     /// Tells the renderer the force that was sent for its last output `[N]`.
     #[inline]
     pub fn report_sent(&mut self, force: f64) {
@@ -161,6 +181,19 @@ impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
         let delivered = self
             .actuator
             .drive(&mut self.device, self.sign * sent, duration);
+        Delivered {
+            mean_force: self.sign * delivered.mean_force,
+            ..delivered
+        }
+    }
+
+    /// The same for a line with a mean of `sent` `[N]` over this duration and a `slope` `[N/s]`.
+    #[inline]
+    pub fn drive_line(&mut self, sent: f64, slope: f64, duration: f64) -> Delivered {
+        let (mean, slope) = (self.sign * sent, self.sign * slope);
+        let delivered = self
+            .actuator
+            .drive_line(&mut self.device, mean, slope, duration);
         Delivered {
             mean_force: self.sign * delivered.mean_force,
             ..delivered

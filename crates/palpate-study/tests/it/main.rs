@@ -13,6 +13,7 @@ mod held;
 mod human;
 mod impedance;
 mod imperfect;
+mod line;
 mod linkages;
 mod loops;
 mod low_rate_simulator;

@@ -15,8 +15,12 @@ use crate::profile::ForceProfile;
 ///
 /// The intervals are those over which the loop actually holds one command; in a perfect loop each lasts one period.
 ///
+/// A line of mean f_i and slope s_i has the first moment s_i h_i³/12. With J1_i = ∫ f (t − t₀) dt of the ideal force about
+/// the middle of the interval, FRE gains s_i² h_i³/12 − 2 s_i J1_i, the bound −12 J1_i²/h_i³, and E
+/// h_i³/12 (s_i − 12 J1_i/h_i³)².
+///
 /// The sum in FRE is the expanded form of ∫ (f_held − f)² dt and involves no sampling. Taking means is an orthogonal
-/// projection, hence FRE² = floor² + E²: the zero-order-hold bound depends only on the loop, E on the renderer. Each is
+/// projection, and so is the nearest line, hence FRE² = floor² + E²: the bound depends only on the loop and its hold, E on the renderer. Each is
 /// computed by its own formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -27,7 +31,7 @@ pub struct Fidelity {
     pub force_rendering_error: f64,
     /// The least FRE that forces held over these intervals can have `[%]`.
     pub hold_bound: f64,
-    /// Mean-force error E `[%]`, the part of the error that a renderer can avoid.
+    /// Mean-force error E `[%]`, the part of the error that a renderer can avoid; with lines also that of the slopes.
     pub mean_force_error: f64,
     /// FRE over floor, 1 at best; `None` if the floor is 0.
     pub error_over_bound: Option<f64>,
@@ -39,6 +43,15 @@ impl Fidelity {
         let mut meter = FidelityMeter::new(profile);
         for force in held {
             meter.hold(*force);
+        }
+        meter.fidelity()
+    }
+
+    /// The same for lines of the means `held` and `slopes` `[N/s]`.
+    pub(super) fn of_lines(held: &[f64], slopes: &[f64], profile: &ForceProfile) -> Option<Self> {
+        let mut meter = FidelityMeter::new(profile);
+        for (force, slope) in held.iter().zip(slopes) {
+            meter.hold_line(*force, *slope);
         }
         meter.fidelity()
     }
@@ -74,6 +87,15 @@ impl ErrorSums {
         self.floor += squared - impulse * impulse / duration;
         // In periods: the factor is then exactly 1 in a perfect loop.
         self.mean += duration / period * (force - impulse / duration).powi(2);
+    }
+
+    /// Adds what the slope `[N/s]` of a line changes in an interval whose mean was [added](Self::add); `moment` is J₁.
+    #[inline]
+    pub(crate) fn add_slope(&mut self, slope: f64, moment: f64, duration: f64, period: f64) {
+        let of_line = duration.powi(3) / 12.0;
+        self.total += slope * (slope * of_line - 2.0 * moment);
+        self.floor -= moment * moment / of_line;
+        self.mean += of_line / period * (slope - moment / of_line).powi(2);
     }
 
     /// The errors; `None` if the ideal force is 0 throughout.
@@ -143,6 +165,18 @@ impl<'a> FidelityMeter<'a> {
         self.interval += 1;
         self.sums
             .add(force, *impulse, *squared, duration, self.profile.period());
+    }
+
+    /// The line of mean `force` `[N]` and `slope` `[N/s]` held over the next interval, as [`hold`](Self::hold). Use one of
+    /// the two throughout: the bound is that of the hold.
+    #[inline]
+    pub fn hold_line(&mut self, force: f64, slope: f64) {
+        if let Some(moment) = self.profile.moments().get(self.interval) {
+            let duration = self.profile.grid().duration(self.interval);
+            let period = self.profile.period();
+            self.sums.add_slope(slope, *moment, duration, period);
+        }
+        self.hold(force);
     }
 
     /// Whether every interval of the window has had its force.

@@ -63,19 +63,52 @@ impl ForceEvaluation {
     ///
     /// `held` does not have one force for each interval of `profile`.
     pub fn new(held: &[f64], profile: &ForceProfile) -> Result<Self, WindowMismatch> {
+        Self::evaluated(held, None, profile)
+    }
+
+    /// Evaluates lines: the mean force on the object `held` over each interval of the window `[N]`, and its `slopes`
+    /// `[N/s]`. The bound is that of lines.
+    ///
+    /// # Errors
+    ///
+    /// `held` or `slopes` does not have one entry for each interval of `profile`.
+    pub fn of_lines(
+        held: &[f64],
+        slopes: &[f64],
+        profile: &ForceProfile,
+    ) -> Result<Self, WindowMismatch> {
+        WindowMismatch::unless_equal(slopes.len(), profile.intervals())?;
+        Self::evaluated(held, Some(slopes), profile)
+    }
+
+    fn evaluated(
+        held: &[f64],
+        slopes: Option<&[f64]>,
+        profile: &ForceProfile,
+    ) -> Result<Self, WindowMismatch> {
         WindowMismatch::unless_equal(held.len(), profile.intervals())?;
+        let largest = |interval: usize, force: f64| {
+            let slope = slopes.map_or(0.0, |slopes| slopes[interval]);
+            force.abs() + 0.5 * slope.abs() * profile.grid().duration(interval)
+        };
         let runs = collisions::separated(held, profile.grid());
         Ok(Self {
-            fidelity: Fidelity::new(held, profile),
+            fidelity: match slopes {
+                None => Fidelity::new(held, profile),
+                Some(slopes) => Fidelity::of_lines(held, slopes, profile),
+            },
             collisions: collisions::evaluated(held, &runs, profile),
             rendered_collisions: runs.len(),
-            peak_force: held.iter().fold(0.0, |peak, force| {
-                if force.is_finite() {
-                    force.abs().max(peak)
-                } else {
-                    f64::INFINITY
-                }
-            }),
+            peak_force: held
+                .iter()
+                .enumerate()
+                .fold(0.0, |peak, (interval, force)| {
+                    if force.is_finite() {
+                        largest(interval, *force).max(peak)
+                    } else {
+                        f64::INFINITY
+                    }
+                }),
         })
     }
 }

@@ -194,7 +194,7 @@ fn a_contact_present_at_the_start_is_the_first_collision() {
 }
 
 #[test]
-fn impulses_and_squares_agree_with_quadrature() {
+fn impulses_moments_and_squares_agree_with_quadrature() {
     for (name, scene) in ALL_SCENES {
         let ideal = ideal(scene);
         let period = 0.02;
@@ -206,6 +206,9 @@ fn impulses_and_squares_agree_with_quadrature() {
             assert_close(name, j, midpoint(from, to, 2000, force), 1e-7);
             let square = midpoint(from, to, 2000, |t| force(t).powi(2));
             assert_close(name, q, square, 1e-7);
+            let lever = |t: f64| force(t) * (t - 0.5 * (from + to));
+            let moment = midpoint(from, to, 2000, lever);
+            assert_close(name, profile.moments()[i], moment, 1e-7 * period);
         }
         for collision in profile.collisions() {
             if let Some(end) = collision.end {

@@ -63,6 +63,53 @@ fn error_and_floor_are_sides_of_a_right_triangle() {
 }
 
 #[test]
+fn lines_have_their_own_floor_which_the_best_ones_reach() {
+    // Floors of lines on the paper's scenes.
+    for ((name, scene, period, collisions, constant), floor) in
+        PAPER.into_iter().zip([1.49, 2.93, 10.45])
+    {
+        let (_, profile) = windowed(scene, period, collisions);
+        let (means, slopes): (Vec<f64>, Vec<f64>) =
+            profile.mean_forces().zip(profile.slopes()).unzip();
+        let of = |slopes: &[f64]| {
+            let evaluated = ForceEvaluation::of_lines(&means, slopes, &profile).unwrap();
+            evaluated.fidelity.unwrap()
+        };
+        let best = of(&slopes);
+        assert_close(name, best.hold_bound, floor, 0.005);
+        assert_close(name, best.force_rendering_error, floor, 0.005);
+        assert!(best.mean_force_error < 1e-12);
+        // The means without their slopes are a constant hold at its floor.
+        let flat = of(&vec![0.0; slopes.len()]);
+        assert_close(name, flat.hold_bound, floor, 0.005);
+        assert_close(name, flat.force_rendering_error, constant, 0.005);
+    }
+}
+
+#[test]
+fn the_error_of_lines_is_the_integral_it_claims_to_be() {
+    for (name, scene, period, collisions, _) in PAPER {
+        let (ideal, profile) = windowed(scene, period, collisions);
+        let held = held_by_spring(&ideal, &profile, 0.3);
+        let slopes: Vec<f64> = (0..held.len()).map(|i| 40.0 * (i as f64).sin()).collect();
+        let (mut difference, mut whole) = (0.0, 0.0);
+        for (i, (force, slope)) in held.iter().zip(&slopes).enumerate() {
+            let (from, to) = (i as f64 * period, (i + 1) as f64 * period);
+            let exact = |t: f64| ideal.at(t).force_on_object;
+            let line = |t: f64| force + slope * (t - 0.5 * (from + to));
+            difference += midpoint(from, to, 2000, |t| (line(t) - exact(t)).powi(2));
+            whole += midpoint(from, to, 2000, |t| exact(t).powi(2));
+        }
+        let expected = 100.0 * (difference / whole).sqrt();
+        let evaluated = ForceEvaluation::of_lines(&held, &slopes, &profile).unwrap();
+        let given = evaluated.fidelity.unwrap();
+        assert_close(name, given.force_rendering_error, expected, 1e-5 * expected);
+        let sides = given.hold_bound.hypot(given.mean_force_error);
+        assert_close(name, given.force_rendering_error, sides, 1e-9 * sides);
+    }
+}
+
+#[test]
 fn the_error_is_the_integral_it_claims_to_be() {
     for (name, scene, period, collisions, _) in PAPER {
         let (ideal, profile) = windowed(scene, period, collisions);

@@ -81,6 +81,10 @@ fn squared_force_collisions_and_states_are_the_exact_ones() {
             sum(integrated.profile.squared_forces()),
         );
         assert!((a / b - 1.0).abs() < 1e-6, "scene {scene}: {a} {b}");
+        let moments = profile.moments().iter().zip(integrated.profile.moments());
+        let largest = profile.impulses().iter().fold(0.0_f64, |a, b| a.max(*b)) * period;
+        let off = moments.fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
+        assert!(off < 2e-6 * largest, "scene {scene}: {off} of {largest}");
         let pairs = profile
             .collisions()
             .iter()

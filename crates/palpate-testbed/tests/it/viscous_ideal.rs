@@ -55,6 +55,8 @@ fn without_friction_it_is_the_closed_form() {
             "{stiffness}, {object_mass}: {by_impulse}"
         );
         assert!(by_square < 1e-9, "{stiffness}, {object_mass}: {by_square}");
+        let by_moment = difference(found.profile.moments(), expected.moments());
+        assert!(by_moment < 1e-8, "{stiffness}, {object_mass}: {by_moment}");
         let collisions = found.profile.collisions();
         assert_eq!(collisions.len(), expected.collisions().len());
         for (a, b) in collisions.iter().zip(expected.collisions()) {

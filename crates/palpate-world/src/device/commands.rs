@@ -243,6 +243,7 @@ impl Commands {
                 under_way.send(Command {
                     intended: intended[axis],
                     sent: sent[axis],
+                    slope: 0.0,
                 });
             }
         }
@@ -252,7 +253,7 @@ impl Commands {
     pub fn correct(&mut self, tool: usize, sent: Vector3) {
         if let Some(tool) = self.tools.get_mut(tool) {
             for (axis, under_way) in tool.under_way.iter_mut().enumerate() {
-                under_way.correct(sent[axis]);
+                under_way.correct(sent[axis], 0.0);
             }
         }
     }

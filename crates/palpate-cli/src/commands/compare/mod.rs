@@ -108,5 +108,6 @@ fn cannot(error: &SetupError) -> String {
     match error {
         SetupError::Parameter(parameter) => parameter.to_string(),
         SetupError::Settings(settings) => settings.to_string(),
+        SetupError::HoldsConstant(_) => error.to_string(),
     }
 }

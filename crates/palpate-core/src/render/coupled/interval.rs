@@ -41,7 +41,7 @@ const WALL_OFFSET_MOST: f64 = 16.0;
 /// Motion over one interval: the drive of the relative motion, and its course.
 pub(super) struct Interval<S> {
     pub start: Relative<S>,
-    drive: Drive<S>,
+    pub(super) drive: Drive<S>,
     /// Rate of the drive's acceleration `[m/s^3]`.
     ramp: S,
     pub course: Course<S>,
@@ -81,6 +81,33 @@ impl<S: Scalar> Coupled<S> {
             sway,
             is_saturated,
             duration,
+        }
+    }
+
+    /// Returns the sensitivity of the end of an interval to its start; `None` if whole bounces were skipped.
+    pub(super) fn response(
+        &self,
+        interval: &Interval<S>,
+        device: &EstimatedMotion<S>,
+        sway: Sway<S>,
+    ) -> Option<Response<S>> {
+        let Interval {
+            drive,
+            start,
+            duration,
+            ..
+        } = interval;
+        match &self.flexure {
+            None => {
+                let (_, response, _) = self.saturation.over_with_response(drive, *start, *duration);
+                response
+            }
+            Some(flexure) => {
+                let mobility = device.mobility;
+                let (_, response, _) =
+                    flexure.over_with_response(drive, mobility, *start, sway, *duration);
+                response
+            }
         }
     }
 

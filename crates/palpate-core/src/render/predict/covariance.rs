@@ -64,6 +64,19 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
+    /// Returns the variance of the sum of the state's parts, each times its entry in `by`.
+    pub(super) fn of_sum(&self, by: &[S; PARTS]) -> S {
+        let mut sum = S::ZERO;
+        for (j, own) in by.iter().enumerate() {
+            let mut along = *own;
+            for (entry, row) in by.iter().zip(&self.upper).take(j) {
+                along += *entry * row[j - 1];
+            }
+            sum += self.diagonal[j] * along * along;
+        }
+        sum
+    }
+
     /// Adds `variance` to that of one part of the state, independent of the others (Agee and Turner).
     pub(super) fn widen(&mut self, part: usize, variance: S) {
         let mut left = variance.max(S::ZERO);
@@ -227,6 +240,20 @@ mod tests {
                 assert!((entry - sum).abs() < 1e-14, "{i} {j}: {entry} {sum}");
             }
         }
+    }
+
+    #[test]
+    fn the_variance_of_a_sum_is_that_of_the_full_matrix() {
+        let covariance = some_covariance();
+        let by = [0.7, -1.3, 0.4, 2.1, -0.6];
+        let dense = covariance.dense();
+        let mut sum = 0.0;
+        for (i, row) in dense.iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
+                sum += by[i] * entry * by[j];
+            }
+        }
+        assert!((covariance.of_sum(&by) - sum).abs() < 1e-13 * sum);
     }
 
     #[test]

@@ -429,6 +429,11 @@ impl<S: Scalar> Observer<S> {
         if sum > S::ZERO { square / sum } else { S::ZERO }
     }
 
+    /// Returns the variance of a quantity with these derivatives by the state, at the last sample.
+    pub fn variance_of(&self, by: &[S; PARTS]) -> S {
+        self.covariance.of_sum(by)
+    }
+
     fn is_finite(&self) -> bool {
         let EstimatedMotion {
             offset,

@@ -1,5 +1,6 @@
 //! Keys that only the closed form honours.
 
+use palpate_core::Hold;
 use toml::Spanned;
 
 use super::Reading;
@@ -65,6 +66,10 @@ impl Reading {
 type Keys = Vec<(&'static str, Option<Span>)>;
 
 fn of_loop(raw: &RawLoop) -> Keys {
+    let line = raw
+        .hold
+        .as_ref()
+        .filter(|hold| *hold.get_ref() == Hold::Line);
     vec![
         ("loop.command_jitter_s", span(&raw.command_jitter_s)),
         ("loop.jitter_s", span(&raw.jitter_s)),
@@ -73,6 +78,7 @@ fn of_loop(raw: &RawLoop) -> Keys {
         ("loop.dropped_samples", span(&raw.dropped_samples)),
         ("loop.collapse", span(&raw.collapse)),
         ("loop.seed", span(&raw.seed)),
+        ("loop.hold", line.map(Spanned::span)),
     ]
 }
 
