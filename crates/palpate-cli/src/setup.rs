@@ -5,7 +5,7 @@ mod device_file;
 mod wrong;
 
 use palpate_core::{
-    Allowed, BasicParams, Contact, LoopParams, Mass, ObjectState, Parameter, Range, Renderer,
+    Allowed, BasicParams, Contact, Hold, LoopParams, Mass, ObjectState, Parameter, Range, Renderer,
 };
 use palpate_scene::method::{MethodName, Setting, Settings};
 use palpate_scene::{Delay, Dropped, GuardBounds, Jitter, Scene, SceneParameter};
@@ -324,7 +324,10 @@ impl Flags {
 
 /// Rejects a contact, a loop or an object that is invalid for all methods.
 pub fn check_contact(setup: &ReplaySetup) -> Result<(), Failure> {
-    Renderer::new(setup.contact, setup.known_loop(), BasicParams)
+    // Basic plans constants for any hold.
+    let mut loop_params = setup.known_loop();
+    loop_params.actuation.hold = Hold::Constant;
+    Renderer::new(setup.contact, loop_params, BasicParams)
         .and_then(|renderer| renderer.start(setup.object))
         .map(|_| ())
         .map_err(|error| wrong_rendered(&error))

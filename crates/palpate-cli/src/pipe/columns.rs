@@ -10,6 +10,8 @@ use crate::pipe::number;
 pub enum AnswerColumn {
     /// A column of a recording, with its short name (without the unit).
     OfRow(&'static recording::Column, &'static str),
+    /// Slope of the force on the device, for an actuator that holds lines.
+    Slope,
     /// Names of the limits that changed the force.
     Limited,
     /// Fault of the line.
@@ -43,7 +45,7 @@ impl AnswerColumn {
             let column = recording::Column::named(name)?;
             Some(Self::OfRow(column, own.unwrap_or(column.short_name())))
         };
-        let own = [Self::Limited, Self::Fault];
+        let own = [Self::Slope, Self::Limited, Self::Fault];
         OF_ROW.into_iter().filter_map(named).chain(own)
     }
 
@@ -51,6 +53,7 @@ impl AnswerColumn {
     fn header(self) -> &'static str {
         match self {
             Self::OfRow(column, _) => column.name,
+            Self::Slope => "slope_on_device_n_per_s",
             Self::Limited => "limited",
             Self::Fault => "fault",
         }
@@ -61,6 +64,7 @@ impl AnswerColumn {
     pub fn short_name(self) -> &'static str {
         match self {
             Self::OfRow(_, name) => name,
+            Self::Slope => "slope",
             own => own.header(),
         }
     }
@@ -105,6 +109,8 @@ pub fn columns(text: &str) -> Result<Columns, String> {
 pub struct Answer {
     /// Rendered values; the force on the device is the one to command.
     pub values: recording::Row,
+    /// Slope of the force on the device `[N/s]`: the force is the mean over one period.
+    pub slope: f64,
     /// Whether the soft start reduced the force.
     pub softened: bool,
     /// Whether a safety stop holds the force at 0.
@@ -122,6 +128,7 @@ impl Answer {
         self.values.contact.force_on_device = 0.0;
         self.values.contact.force_on_object = 0.0;
         self.values.contact.flags = Flags::default();
+        self.slope = 0.0;
         self.softened = false;
         self.stopped = false;
         self.fault = "";
@@ -153,6 +160,13 @@ impl Columns {
         names.join(",") + "\n"
     }
 
+    /// Returns whether the slope of the force is one of them.
+    #[must_use]
+    pub fn have_slope(&self) -> bool {
+        let mut columns = self.0.iter();
+        columns.any(|column| matches!(column, AnswerColumn::Slope))
+    }
+
     /// Replaces the contents of `line` by an answer. An unknown number is `nan`.
     pub fn write(&self, row: &Answer, line: &mut String) {
         line.clear();
@@ -167,6 +181,7 @@ impl Columns {
                     Value::Phase(_) if row.ended => line.push_str("ended"),
                     other => line.push_str(&other.text()),
                 },
+                AnswerColumn::Slope => number::push(line, row.slope),
                 AnswerColumn::Limited => line.push_str(&row.limits()),
                 AnswerColumn::Fault => line.push_str(row.fault),
             }
@@ -181,6 +196,6 @@ mod tests {
 
     #[test]
     fn every_column_that_a_pipe_names_is_one_of_a_row() {
-        assert_eq!(AnswerColumn::all().count(), OF_ROW.len() + 2);
+        assert_eq!(AnswerColumn::all().count(), OF_ROW.len() + 3);
     }
 }

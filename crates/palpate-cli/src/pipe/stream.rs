@@ -119,7 +119,13 @@ impl Stream {
         output.limited.force |= verdict.bounded.force;
         output.limited.slew |= verdict.bounded.slew;
         let [force, ..] = verdict.wrench.force;
-        self.rendered.report_sent(-force);
+        // A line is sent as it was planned, or as a constant.
+        let slope = if force == output.force_on_device {
+            output.slope_on_device
+        } else {
+            0.0
+        };
+        self.rendered.report_sent_line(-force, -slope);
         // Keep the time of a rejected line. If it is wrong, only the next line is rejected too; otherwise a clock that
         // was set would cause all following lines to be rejected.
         self.memory.last_time = time.or(self.memory.last_time);
@@ -154,6 +160,7 @@ impl Stream {
                 },
                 ..recording::Row::UNKNOWN
             },
+            slope,
             softened: verdict.bounded.soft_start,
             stopped: verdict.bounded.stopped,
             fault,

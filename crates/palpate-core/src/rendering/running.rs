@@ -123,6 +123,11 @@ impl<S: Scalar> Running<S> {
         self.renderer.report_sent(&mut self.state, force_on_object);
     }
 
+    /// Reports the line on the object that was sent for the last output: its mean `[N]` and its slope `[N/s]`.
+    pub fn report_sent_line(&mut self, mean: S, slope: S) {
+        self.renderer.report_sent_line(&mut self.state, mean, slope);
+    }
+
     /// Reports the mean force on the object since the last sample `[N]`.
     pub fn report_held(&mut self, force_on_object: S) {
         self.renderer.report_held(&mut self.state, force_on_object);

@@ -61,6 +61,11 @@ impl Rendered {
         self.running.report_sent(force_on_object);
     }
 
+    /// Reports the line on the object that was sent for the last output: its mean `[N]` and its slope `[N/s]`.
+    pub fn report_sent_line(&mut self, mean: f64, slope: f64) {
+        self.running.report_sent_line(mean, slope);
+    }
+
     /// Reports the force on the object held since the last sample, or its mean `[N]`.
     pub fn report_held(&mut self, force_on_object: f64) {
         self.running.report_held(force_on_object);

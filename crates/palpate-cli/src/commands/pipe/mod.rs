@@ -6,8 +6,8 @@ mod world;
 
 use std::io;
 
-use crate::pipe::{Changeable, Format, Memory, PipeSummary, Stream, rendering};
-use palpate_core::LARGEST_DELAY;
+use crate::pipe::{Changeable, Columns, Format, Memory, PipeSummary, Stream, rendering};
+use palpate_core::{Hold, LARGEST_DELAY};
 use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::method::MethodName;
 use palpate_scene::{ContactFile, SceneFile};
@@ -58,6 +58,7 @@ fn set_up(arguments: &PipeArguments, scene: Option<ContactFile>) -> Result<Strea
     };
     let defaults = SafetyParams::default();
     let is_limit_given = limit_force(flags, &mut setup, motor_limit, &defaults);
+    check_slope(&setup, &arguments.stream.columns)?;
     let force_limit = setup.loop_params.force_limit;
     let soft_start = soft_start(arguments, &defaults)?;
     check_delay(flags, &setup)?;
@@ -119,6 +120,23 @@ fn limit_force(
         setup.loop_params.force_limit = Some(defaults.largest_force.min(least));
     }
     is_limit_given
+}
+
+/// Rejects a line hold without the column of its slope, and that column without a line hold.
+fn check_slope(setup: &ReplaySetup, columns: &Columns) -> Result<(), Failure> {
+    match (setup.loop_params.actuation.hold, columns.have_slope()) {
+        (Hold::Line, false) => Err(Failure::Arguments(
+            "loop.hold is \"line\", so a command is a force and a slope: print both, for example with --columns \
+             force,slope; or set loop.hold to \"constant\""
+                .into(),
+        )),
+        (Hold::Constant, true) => Err(Failure::Arguments(
+            "--columns names slope, but loop.hold is \"constant\", whose slope is always 0; set loop.hold = \"line\" in \
+             a scene, for an actuator that holds lines"
+                .into(),
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Rejects a delay that is longer than the renderer models.
