@@ -147,7 +147,7 @@ fn a_line_moves_the_device_as_the_contact_does_and_shifts_nothing() {
         println!("{stiffness} N/m on {object_mass} kg: {constant:?} {with_line:?}");
         assert!(constant.1 > 5e-5 && with_line.1 < 1e-7);
         assert!(constant.0 > 2e-4 && with_line.0 < 2e-7);
-        // The books have the exact work.
+        // The ledger has the exact work.
         assert!(constant.2.abs() < 1e-12 && with_line.2.abs() < 1e-8);
     }
 }
@@ -192,7 +192,7 @@ fn the_ends_of_a_line_stay_within_the_limits_whatever_the_device_does() {
     );
 }
 
-/// Means and slopes of a bounce that both precisions are told alike.
+/// Means and slopes of a bounce, the same motion in both precisions.
 fn bounce<S: Scalar>(period: f64, stiffness: f64) -> Vec<[f64; 2]> {
     let of = S::from_f64;
     let loop_params = LoopParams {

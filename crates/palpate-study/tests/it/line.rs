@@ -13,12 +13,12 @@ use palpate_testbed::device::{DevicePlant, PointMass};
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::metrics::{Fidelity, ForceEvaluation};
 
-/// One of the paper's scenes, told `told` times the mass, with a sensor of `quantum` `[m]`.
-fn scene(name: &str, hold: Hold, told: f64, quantum: f64) -> Scene {
+/// One of the paper's scenes, with `factor` times the mass in the model and a sensor of `quantum` `[m]`.
+fn scene(name: &str, hold: Hold, factor: f64, quantum: f64) -> Scene {
     let mut scene = experiment(name);
     scene.loop_params.actuation.hold = hold;
     scene.method = MethodName::Coupled;
-    scene.model_device_mass = Some(told * scene.device.mass());
+    scene.model_device_mass = Some(factor * scene.device.mass());
     scene.device.point_mass_mut().unwrap().encoder_quantum = quantum;
     scene
 }
@@ -50,13 +50,13 @@ fn a_wrong_mass_or_a_coarse_sensor_costs_little_and_never_more_than_a_constant_h
         (1.0, 1e-5, [1.55, 2.95, 10.65]),
         (1.5, 1e-5, [1.6, 3.2, 25.0]),
     ];
-    for (told, quantum, required) in cases {
+    for (factor, quantum, required) in cases {
         for (name, required) in PAPER_SCENES.into_iter().zip(required) {
             let [line, constant] = [Hold::Line, Hold::Constant].map(|hold| {
-                let (fidelity, _) = rendered(&scene(name, hold, told, quantum));
+                let (fidelity, _) = rendered(&scene(name, hold, factor, quantum));
                 fidelity.force_rendering_error
             });
-            println!("{name}, told {told}, {quantum} m: {line} %, constant {constant} %");
+            println!("{name}, factor {factor}, {quantum} m: {line} %, constant {constant} %");
             assert!(line < required && line < constant);
         }
     }
@@ -129,7 +129,7 @@ fn what_a_line_excludes_is_refused() {
     assert!(refused(&slew).contains("absent with a line hold"));
 }
 
-/// A plant, and what the renderer is told of it.
+/// A plant and its model.
 struct Plant {
     scene: PointMassScene,
     period: f64,
@@ -197,8 +197,8 @@ fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
 
 #[test]
 fn lines_are_nearer_than_constants_on_random_plants() {
-    // Told a wrong mass, a quantum, and a sample of delay: (most of the median ratio, most worse plants).
-    for (told, quantum, delay, limits) in [
+    // Factor of the model mass, quantum, delay: largest median ratio, and largest fraction of worse plants.
+    for (factor, quantum, delay, limits) in [
         (1.0, 0.0, 0, (0.25, 0.01)),
         (2.0, 0.0, 0, (0.25, 0.02)),
         (2.0, 1e-5, 0, (0.3, 0.05)),
@@ -227,7 +227,7 @@ fn lines_are_nearer_than_constants_on_random_plants() {
                 },
                 period,
                 collisions: 4,
-                model_mass: mass * log(1.0 / told, told),
+                model_mass: mass * log(1.0 / factor, factor),
                 quantum: if quantum > 0.0 {
                     log(1e-6, quantum)
                 } else {
@@ -243,7 +243,7 @@ fn lines_are_nearer_than_constants_on_random_plants() {
         let worse = errors.iter().filter(|[constant, line]| line > constant);
         let worse = worse.count() as f64 / errors.len() as f64;
         println!(
-            "mass within {told}, quantum to {quantum} m, delay {delay}: FRE constant {constant:.1?}, line {line:.1?}, \
+            "mass within {factor}, quantum to {quantum} m, delay {delay}: FRE constant {constant:.1?}, line {line:.1?}, \
              ratio {ratio:.2?}, worse on {:.1} %",
             100.0 * worse
         );
