@@ -214,7 +214,7 @@ impl<S: Scalar> Actuation<S> {
             not_negative(Parameter::GainDeviation, self.gain_deviation),
             Parameter::Lag
                 .unless(
-                    self.hold == Hold::Constant || !(self.lag > S::ZERO),
+                    self.hold == Hold::Constant || self.lag <= S::ZERO || !self.lag.is_finite(),
                     self.lag,
                     Allowed::Words("0 with a line hold"),
                 )
