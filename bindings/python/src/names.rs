@@ -81,6 +81,7 @@ pub fn wrong_setup(error: &SetupError) -> PyErr {
     match error {
         SetupError::Parameter(parameter) => wrong_of_scene(parameter),
         SetupError::Settings(settings) => wrong_settings(settings),
+        SetupError::HoldsConstant(_) => refused(error),
     }
 }
 

@@ -146,8 +146,5 @@ pub fn compare(
 }
 
 fn cannot(error: &SetupError) -> String {
-    match error {
-        SetupError::Parameter(parameter) => parameter.to_string(),
-        SetupError::Settings(settings) => settings.to_string(),
-    }
+    error.to_string()
 }
