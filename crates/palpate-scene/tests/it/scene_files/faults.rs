@@ -36,7 +36,7 @@ fn an_unknown_key_is_named_with_the_nearest_known_one() {
   12:1: unknown key mas_kg, did you mean mass_kg? Known here: name, axes, mass_kg, mass_table, linkage, safety_box, position_m, velocity_m_per_s, quantum_m, noise_m, inertia_kg_m2, gives_torque, orientation, angular_velocity_rad_per_s, quantum_rad, tool, drivetrain, hand
   mas_kg
 period_s -> perod_s
-  5:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples, delay_fraction, delay_s, command_jitter_s, lag_s, gain, jitter_s, jitter_deviation_s, drop_probability, dropped_samples, collapse, seed
+  5:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples, delay_fraction, delay_s, command_jitter_s, lag_s, gain, hold, jitter_s, jitter_deviation_s, drop_probability, dropped_samples, collapse, seed
   perod_s
 [loop] -> [lop]
   4:2: unknown key lop, did you mean loop? Known here: format, title, loop, device, body, contact, joint, model, render, methods, measure

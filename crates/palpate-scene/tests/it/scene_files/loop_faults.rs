@@ -109,12 +109,6 @@ delay_samples = 0 -> gain = 0
 delay_samples = 0 -> hold = "ramp"
   6:8: unknown variant `ramp`, expected `constant` or `line`
   "ramp"
-delay_samples = 0 -> lag_s = 0.001\nhold = "line"
-  6:9: loop.lag_s is 0.001 s, but must be 0 with loop.hold = "line"
-  0.001
-delay_samples = 0 -> drop_probability = 0.1\nhold = "line"
-  6:20: loop.drop_probability is 0.1, but must be 0 with loop.hold = "line"
-  0.1
 [measure] -> [model]\ngain = 0\n\n[measure]
   40:8: model.gain is 0, but must be finite and greater than 0
   0
@@ -145,7 +139,7 @@ delay_samples = 0 -> drop_probability = 0.1\nhold = "line"
 [measure] -> [model]\nresonance_hz = 150\n\n[measure]
   40:16: a transmission model needs resonance_hz, resonance_damping_ratio and flexible_mass_fraction
   150"#,
-        16,
+        17,
     );
 }
 

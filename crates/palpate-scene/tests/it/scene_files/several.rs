@@ -38,7 +38,7 @@ fn key_combination_and_range_errors_are_reported_in_file_order() {
         ]),
         [
             "scene.toml:6:1: unknown key perod_s, did you mean period_s? Known here: period_s, \
-             delay_samples, delay_fraction, delay_s, command_jitter_s, lag_s, gain, jitter_s, \
+             delay_samples, delay_fraction, delay_s, command_jitter_s, lag_s, gain, hold, jitter_s, \
              jitter_deviation_s, drop_probability, dropped_samples, collapse, seed",
             "scene.toml:13:14: device.safety_box is for a device with a linkage",
             "scene.toml:32:21: contact.stiffness_n_per_m is -400 N/m, but must be finite and greater than 0",

@@ -81,7 +81,6 @@ fn every_key_is_written() {
              rest_m = [0.01, 0.0, 0.0]\nswing_m = [0.02, 0.0, 0.0]\nswing_hz = 2\n",
         ),
         ("delay_samples = 0", "delay_samples = 3"),
-        ("delay_samples = 0", "delay_fraction = 0.3\nhold = \"line\""),
         (
             "delay_samples = 0",
             "delay_s = 0.0123\ncommand_jitter_s = 0.001\nlag_s = 3e-4\ngain = 0.97\n\n[model]\n\
