@@ -20,7 +20,7 @@
  Largest size of a contact in bytes, for statically allocated memory; palpate_contact_size() returns the
  actual size.
  */
-#define PALPATE_CONTACT_SIZE_MAX 4096
+#define PALPATE_CONTACT_SIZE_MAX 4608
 
 /*
  Largest alignment of a contact in bytes; palpate_contact_align() returns the actual alignment.
@@ -31,7 +31,7 @@
  Largest size of a contact in float in bytes, for statically allocated memory; palpate_contact_f32_size()
  returns the actual size. Its alignment is at most PALPATE_CONTACT_ALIGN_MAX.
  */
-#define PALPATE_CONTACT_F32_SIZE_MAX 2048
+#define PALPATE_CONTACT_F32_SIZE_MAX 2304
 
 /*
  Value of `first_body` and `second_body` if the object is a device.

@@ -11,7 +11,7 @@ use crate::status::Status;
 
 /// Largest size of a contact in bytes, for statically allocated memory; palpate_contact_size() returns the
 /// actual size.
-pub const PALPATE_CONTACT_SIZE_MAX: usize = 4096;
+pub const PALPATE_CONTACT_SIZE_MAX: usize = 4608;
 
 /// Largest alignment of a contact in bytes; palpate_contact_align() returns the actual alignment.
 pub const PALPATE_CONTACT_ALIGN_MAX: usize = 8;

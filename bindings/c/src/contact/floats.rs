@@ -11,7 +11,7 @@ use crate::status::Status;
 
 /// Largest size of a contact in float in bytes, for statically allocated memory; palpate_contact_f32_size()
 /// returns the actual size. Its alignment is at most PALPATE_CONTACT_ALIGN_MAX.
-pub const PALPATE_CONTACT_F32_SIZE_MAX: usize = 2048;
+pub const PALPATE_CONTACT_F32_SIZE_MAX: usize = 2304;
 
 const _: () = assert!(size_of::<Contact<f32>>() <= PALPATE_CONTACT_F32_SIZE_MAX);
 const _: () = assert!(align_of::<Contact<f32>>() <= crate::PALPATE_CONTACT_ALIGN_MAX);

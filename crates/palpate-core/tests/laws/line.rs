@@ -255,11 +255,7 @@ fn what_a_line_excludes_is_refused_by_name() {
         ..line(PERIOD)
     };
     let guard = LoopParams {
-        guard: Guard::Report(GuardParams {
-            largest_speed: 1.0,
-            allowance: 1e-3,
-            hand: None,
-        }),
+        guard: Guard::Report(GuardParams::by_speed(1.0, 1e-3)),
         ..line(PERIOD)
     };
     for (loop_params, parameter) in [
