@@ -53,7 +53,7 @@ impl EffectiveImpedance {
     }
 }
 
-/// Impedance of a contact at a frequency: the wanted one, and what a method renders.
+/// Impedance of a contact at a frequency: the wanted one and that by a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeltImpedance {
     /// Frequency of the hand's motion `[Hz]`.

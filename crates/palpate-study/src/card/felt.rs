@@ -1,4 +1,4 @@
-//! What a hand feels on the device of a report: effective stiffness, damping and mass by frequency, and the stable
+//! Felt impedance on the device of a report: effective stiffness, damping and mass by frequency, and the stable
 //! stiffness over damping (Z-width).
 
 use palpate_core::ParameterValue;
@@ -19,7 +19,7 @@ const FREQUENCIES: [f64; 6] = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0];
 /// Dampings of a virtual damper, over m/T.
 const DAMPINGS: [f64; 9] = [0.0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.5];
 
-/// What a hand feels in contacts on a device.
+/// Felt impedance of contacts on a device.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[non_exhaustive]

@@ -65,7 +65,7 @@ pub struct Card {
     pub calibration: Option<CalibrationCard>,
     /// Renderable contacts; none if a required value is unknown.
     pub reach: Option<ReachCard>,
-    /// What a hand feels in contacts, and the stable stiffness over damping; none if a required value is unknown.
+    /// Felt impedance of contacts, and the stable stiffness over damping; none if a required value is unknown.
     pub felt: Option<FeltCard>,
     /// A recorded or simulated contact, if any.
     pub contact: Option<ContactCard>,
