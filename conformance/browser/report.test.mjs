@@ -40,7 +40,7 @@ test("a phone shows everything within its width", async () => {
   });
   assert.deepEqual(beyond, []);
   assert.ok((await open.evaluate(() => document.documentElement.scrollWidth)) <= 390);
-  assert.equal(await open.evaluate(() => document.querySelectorAll("svg").length), 6);
+  assert.equal(await open.evaluate(() => document.querySelectorAll("svg").length), 9);
   await open.close();
 });
 

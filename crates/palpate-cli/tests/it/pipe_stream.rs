@@ -90,7 +90,10 @@ fn a_column_that_is_not_there_is_answered_by_those_that_are() {
         ),
         (
             "force,penetratoin",
-            &["did you mean \"penetration\"?", "leak_held, limited, fault"],
+            &[
+                "did you mean \"penetration\"?",
+                "leak_held, slope, limited, fault",
+            ],
         ),
         ("force,force_on_device_n", &["force is named twice"]),
         ("", &["columns are"]),

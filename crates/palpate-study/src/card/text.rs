@@ -162,16 +162,15 @@ impl super::FeltCard {
     pub fn in_words(&self) -> String {
         let width = match self.stiffest() {
             Some((stiffness, damping)) => format!(
-                "The stiffest stable wall of virtual-damper has {} N/m, with a damping of {} N s/m",
+                "Z-width, the stiffest stable wall of virtual-damper: {} N/m at {} N s/m",
                 digits(stiffness),
                 digits(damping)
             ),
-            None => "No wall of virtual-damper is stable".to_owned(),
+            None => "Z-width: no wall of virtual-damper is stable".to_owned(),
         };
         format!(
-            "Felt: force over displacement of a hand that oscillates in a contact of {} N/m, pressed with {} N, without \
-             the device itself; the object has the mass of the device, {} kg. Negative damping gives out energy. {width} \
-             (Z-width).",
+            "Force over displacement of a hand that oscillates in a contact of {} N/m, pressed with {} N, without the \
+             device; the object has its mass, {} kg. Negative damping gives out energy. {width}.",
             digits(self.stiffness_n_per_m),
             digits(self.pressed_with_n),
             digits(self.object_mass_kg)

@@ -173,8 +173,8 @@ impl Figures {
             ("mass [g]", |part| 1e3 * part.mass_kg),
         );
         Ok([
-            self.draw(&wall, "85x80", "Felt stiffness and damping of a wall")?,
-            self.draw(&object, "85x80", "Felt mass and damping of an object")?,
+            self.draw(&wall, "85x52", "Felt stiffness and damping of a wall")?,
+            self.draw(&object, "85x52", "Felt mass and damping of an object")?,
         ])
     }
 

@@ -43,14 +43,14 @@ pub fn html(card: &Card) -> Result<String, SizeError> {
     if !card.timing.is_empty() {
         section("Timing", &sections::timing(&card.timing, &mut figures)?);
     }
+    if let Some(felt) = &card.felt {
+        section("Felt contacts", &sections::felt(felt, &mut figures)?);
+    }
     if let Some(reach) = &card.reach {
         section(
             "Renderable contacts",
             &sections::reach(reach, &mut figures)?,
         );
-    }
-    if let Some(felt) = &card.felt {
-        section("Felt contacts", &sections::felt(felt, &mut figures)?);
     }
     if card.contact.is_none() {
         section("No contact", &sections::no_contact(card));

@@ -304,11 +304,11 @@ pub fn felt(of: &FeltCard, figures: &mut Figures) -> Result<String, SizeError> {
     let [wall, object] = figures.felt(of)?;
     let mut text = format!("<p class=\"small\">{}</p>\n", escaped(&of.in_words()));
     text.push_str("<div class=\"three\">\n");
-    text.push_str(&figure(&wall, "A wall over the frequency of the hand."));
+    text.push_str(&figure(&wall, "A wall."));
     text.push_str(&figure(&object, "An object as heavy as the device."));
     text.push_str(&figure(
         &figures.z_width(of)?,
-        "Z-width: the stiffest stable wall of virtual-damper over its damping.",
+        "Z-width: stiffest stable wall over its damping.",
     ));
     Ok(text + "</div>\n")
 }
