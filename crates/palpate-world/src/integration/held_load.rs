@@ -113,7 +113,7 @@ impl Passage<'_> {
                 spring.max(0.0)
             } else if spring > 0.0 {
                 // A surface without a jump gives at most half of the spring's force.
-                (stored / along).clamp(0.0, spring)
+                (stored / along).max(0.0).min(spring)
             } else {
                 stored / along
             };
@@ -186,7 +186,8 @@ impl Passage<'_> {
         let missing = given - load.force.dot(way) - load.torque.dot(turn);
         let depths = self.start.penetration.abs() + self.end.penetration.abs();
         let most = self.point.law.stiffness * depths * square.sqrt();
-        let missing = missing.clamp(-most, most);
+        // An overflow makes the bound NaN, at which `clamp` would panic; the tick's check of finite values reports it.
+        let missing = missing.max(-most).min(most);
         load.force += way * (missing / square);
         load.torque += turn * (square_arm * missing / square);
     }

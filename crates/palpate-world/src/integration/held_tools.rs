@@ -229,7 +229,9 @@ impl HeldTools {
             let crossing = seen.map_or(time, |(before, depth)| {
                 let change = ahead.penetration - depth;
                 if depth.is_finite() && change != 0.0 {
-                    (before - (time - before) * depth / change).clamp(before, time)
+                    (before - (time - before) * depth / change)
+                        .max(before)
+                        .min(time)
                 } else {
                     time
                 }

@@ -94,6 +94,60 @@ fn elapsed() -> impl Strategy<Value = Option<f64>> {
     ]
 }
 
+/// Renders `samples` by every method: no force above its limit or along an axis that a tool `lacks`, no motion that is not a
+/// number.
+fn is_bounded(
+    samples: &[([Vector; 2], Option<f64>)],
+    believes_all: bool,
+    lacks: [usize; 2],
+) -> Result<(), TestCaseError> {
+    let mut crowded = crowded();
+    for (tool, lacks) in crowded.tools.iter_mut().zip(lacks) {
+        tool.axes = [0, 1, 2].map(|axis| axis != lacks);
+    }
+    for method in methods() {
+        let mut loop_params = WorldLoop::new(0.001).with_force_limits(vec![LIMIT; 2]);
+        if believes_all {
+            loop_params.speed_limit = None;
+        }
+        let renderer = WorldRenderer::new(&crowded, loop_params, method).unwrap();
+        let mut state = renderer.start();
+        for (positions, elapsed) in samples {
+            let sample = Sample {
+                positions,
+                orientations: &[],
+                elapsed: *elapsed,
+            };
+            let output = renderer.step(&mut state, &sample);
+            for (force, lacks) in output.forces.iter().zip(lacks) {
+                prop_assert!(force.get(lacks).is_none_or(|force| *force == 0.0));
+                let norm = force.iter().map(|f| f * f).sum::<f64>().sqrt();
+                prop_assert!(norm <= LIMIT * (1.0 + 1e-12), "{norm}");
+                if output.fault.is_some() {
+                    prop_assert_eq!(*force, [0.0; 3]);
+                }
+            }
+            for body in state.bodies() {
+                let all = [body.position, body.velocity, body.angular_velocity];
+                prop_assert!(all.iter().flatten().all(|x| x.is_finite()), "{body:?}");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The velocity of a step within almost no time overflows, and with it the bounds of forces.
+#[test]
+fn a_sample_after_almost_no_time_is_bounded() {
+    let samples = [
+        ([[0.0; 3], [0.0, 0.0, -0.0312]], None),
+        ([[0.0; 3], [0.0, 0.0, 0.0091]], Some(5.6e-291)),
+    ];
+    for believes_all in [false, true] {
+        is_bounded(&samples, believes_all, [0, 0]).unwrap();
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
     #[test]
@@ -102,34 +156,7 @@ proptest! {
         believes_all in any::<bool>(),
         lacks in prop::array::uniform2(0..4_usize),
     ) {
-        let mut crowded = crowded();
-        for (tool, lacks) in crowded.tools.iter_mut().zip(lacks) {
-            tool.axes = [0, 1, 2].map(|axis| axis != lacks);
-        }
-        for method in methods() {
-            let mut loop_params = WorldLoop::new(0.001).with_force_limits(vec![LIMIT; 2]);
-            if believes_all {
-                loop_params.speed_limit = None;
-            }
-            let renderer = WorldRenderer::new(&crowded, loop_params, method).unwrap();
-            let mut state = renderer.start();
-            for (positions, elapsed) in &samples {
-                let sample = Sample { positions, orientations: &[], elapsed: *elapsed };
-                let output = renderer.step(&mut state, &sample);
-                for (force, lacks) in output.forces.iter().zip(lacks) {
-                    prop_assert!(force.get(lacks).is_none_or(|force| *force == 0.0));
-                    let norm = force.iter().map(|f| f * f).sum::<f64>().sqrt();
-                    prop_assert!(norm <= LIMIT * (1.0 + 1e-12), "{norm}");
-                    if output.fault.is_some() {
-                        prop_assert_eq!(*force, [0.0; 3]);
-                    }
-                }
-                for body in state.bodies() {
-                    let all = [body.position, body.velocity, body.angular_velocity];
-                    prop_assert!(all.iter().flatten().all(|x| x.is_finite()), "{body:?}");
-                }
-            }
-        }
+        is_bounded(&samples, believes_all, lacks)?;
     }
 }
 

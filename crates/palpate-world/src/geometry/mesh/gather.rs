@@ -173,7 +173,7 @@ impl Gathered {
             let found = &mut self.near[..count];
             let (_, first_out, out) = found.select_nth_unstable_by(MAX_TRIANGLES, by_distance);
             // The cache contains all triangles nearer than the first one that does not fit.
-            self.way = (first_out.distance - radius).clamp(least_way, most);
+            self.way = (first_out.distance - radius).max(least_way).min(most);
             let within = radius + self.way;
             let is_within = |it: &&Near| it.distance < within;
             let left_out = std::iter::once(&*first_out).chain(&*out).filter(is_within);
