@@ -10,7 +10,7 @@ use std::process::{ChildStderr, ChildStdout, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::common::running::{Running, program};
-use crate::common::{Folder, experiment_text, number, parse};
+use crate::common::{Answer, Folder, experiment_text, number, parse};
 use palpate_haply::emulator::two_diy::{Emulator, Fault, Hand, PortSettings, Settings};
 use palpate_haply::two_diy::{Board, Generation};
 use palpate_record::recording::{Entry, Recording};
@@ -556,26 +556,34 @@ fn what_does_not_belong_to_the_2diy_or_to_another_device_is_named() {
 /// reason. Tests in simulated time check the results.
 #[test]
 fn a_calibration_goes_the_whole_way_or_says_what_was_missing() {
-    let folder = folder();
-    let emulated = Emulated::start(&folder, " --hold 0.019,0.1169 --gain 0.9 --lag 0.0002");
-    let answer = folder.palpate(
-        "calibrate --device haply-2diy --port haply --wait 0 --seconds 3 --out device.toml --json",
-    );
-    let said = emulated.end();
-    // In any case no torque is left.
-    assert!(said.contains("in the end 0 and 0"), "{said}");
-    assert!(answer.stderr.contains("move the device"), "{answer:?}");
-    let is_there = folder.path("device.toml").exists();
-    if answer.code == 6 {
-        let is_loop_named = ["samples are missing", "times between samples vary"]
-            .iter()
-            .any(|words| answer.stderr.contains(words));
-        assert!(is_loop_named, "{answer:?}");
+    // A pause of the emulator that costs no sample can spoil a fit, but hardly three in a row.
+    for _ in 0..3 {
+        let folder = folder();
+        let emulated = Emulated::start(&folder, " --hold 0.019,0.1169 --gain 0.9 --lag 0.0002");
+        let answer = folder.palpate(
+            "calibrate --device haply-2diy --port haply --wait 0 --seconds 3 --out device.toml --json",
+        );
+        let said = emulated.end();
+        // In any case no torque is left.
+        assert!(said.contains("in the end 0 and 0"), "{said}");
+        assert!(answer.stderr.contains("move the device"), "{answer:?}");
+        let is_there = folder.path("device.toml").exists();
+        if answer.code == 0 {
+            assert!(is_there);
+            finds_the_mass(&answer, &said);
+            return;
+        }
+        assert_eq!(answer.code, 6, "{answer:?}");
         assert!(!is_there);
-        return;
+        let named = ["samples are missing", "times between samples vary"];
+        if named.iter().any(|words| answer.stderr.contains(words)) {
+            return;
+        }
     }
-    assert_eq!(answer.code, 0, "{answer:?}");
-    assert!(is_there);
+    panic!("three calibrations were declined although no sample was missing");
+}
+
+fn finds_the_mass(answer: &Answer, said: &str) {
     let found = parse(&answer.stdout)["found"]["device_mass_kg"]["value"].clone();
     let along_y = said.rsplit(" kg along y").nth(1).unwrap();
     let put_in: f64 = along_y.rsplit(' ').next().unwrap().parse().unwrap();
