@@ -165,12 +165,12 @@ impl Figures {
         let wall = felt_figure(
             felt,
             |method| &method.wall,
-            ("stiffness [N/mm]", |part| 1e-3 * part.stiffness_n_per_m),
+            ("[N/mm]", |part| 1e-3 * part.stiffness_n_per_m),
         );
         let object = felt_figure(
             felt,
             |method| &method.object,
-            ("mass [g]", |part| 1e3 * part.mass_kg),
+            ("[g]", |part| 1e3 * part.mass_kg),
         );
         Ok([
             self.draw(&wall, "85x52", "Felt stiffness and damping of a wall")?,
@@ -314,7 +314,7 @@ fn felt_figure(
         x_decades: true,
         rows: vec![
             row(first.0, first.1, true),
-            row("damping [N\u{a0}s/m]", |part| part.damping_n_s_per_m, false),
+            row("[N\u{a0}s/m]", |part| part.damping_n_s_per_m, false),
         ],
         ..Figure::default()
     }

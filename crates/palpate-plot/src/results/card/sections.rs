@@ -304,8 +304,8 @@ pub fn felt(of: &FeltCard, figures: &mut Figures) -> Result<String, SizeError> {
     let [wall, object] = figures.felt(of)?;
     let mut text = format!("<p class=\"small\">{}</p>\n", escaped(&of.in_words()));
     text.push_str("<div class=\"three\">\n");
-    text.push_str(&figure(&wall, "A wall."));
-    text.push_str(&figure(&object, "An object as heavy as the device."));
+    text.push_str(&figure(&wall, "A wall: stiffness and damping."));
+    text.push_str(&figure(&object, "An object: mass and damping."));
     text.push_str(&figure(
         &figures.z_width(of)?,
         "Z-width: stiffest stable wall over its damping.",
