@@ -68,7 +68,6 @@ impl<D: Device + 'static, C: Clock, R: Renders + 'static> LoopThread<D, C, R> {
             .map(|supervisor| {
                 // The loop's own clock: by another clock the loop might never be late.
                 let (clock, ended) = (control.clock(), Arc::clone(&ended));
-                let interval = control.period() / 2;
                 // Above the priority of the loop, or it could not cut a loop that never sleeps.
                 let priority = request.priority.map(|priority| (priority + 1).min(99));
                 Builder::new()
@@ -79,7 +78,7 @@ impl<D: Device + 'static, C: Clock, R: Renders + 'static> LoopThread<D, C, R> {
                             ..Request::nothing()
                         };
                         let _ = sent_beside.send(beside.ask());
-                        supervisor.watch(&clock, interval, &ended);
+                        supervisor.watch(&clock, &ended);
                     })
             })
             .transpose()?;

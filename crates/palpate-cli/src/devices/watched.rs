@@ -45,7 +45,7 @@ impl Watched {
                 .spawn(move || {
                     // The loop requests the same and reports the refusal.
                     let _ = request.ask();
-                    supervisor.watch(&clock, stall_limit / 4, &ended);
+                    supervisor.watch(&clock, &ended);
                 })
         };
         let thread = zero.map(start).transpose()?;
