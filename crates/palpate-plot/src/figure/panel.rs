@@ -34,7 +34,9 @@ pub(super) struct Drawn {
 pub(super) fn draw(panel: &Panel, window: &Window, height: f64) -> Drawn {
     let mut plots = Vec::new();
     let (low, high) = window.y;
-    if low < 0.0 && 0.0 < high {
+    if panel.series.is_empty() {
+        // A place of the grid that no panel needs stays blank.
+    } else if low < 0.0 && 0.0 < high {
         let zero = LinePlot::new().with_data([(window.x.0, 0.0), (window.x.1, 0.0)]);
         plots.push(zero.with_color(ink::ZERO).with_stroke_width(0.9).into());
     } else {

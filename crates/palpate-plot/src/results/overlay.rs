@@ -26,10 +26,7 @@ pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
         }
         _ => {
             note = "Thin lines: the device under each method. ".into();
-            beside.extend(named().enumerate().map(|(number, (run, _, role))| {
-                let name = if number == 0 { "device (thin)" } else { "" };
-                device_position(run, name, thin(role))
-            }));
+            beside.extend(named().map(|(run, _, role)| device_position(run, "", thin(role))));
         }
     }
     // Recorded curves are drawn behind: the run of the recorded method coincides with them.

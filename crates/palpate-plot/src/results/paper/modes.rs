@@ -34,7 +34,7 @@ pub fn drawing() -> Drawing {
         },
         Mode {
             middle: 635.0,
-            head: "(a) contact",
+            head: "contact",
             condition: "p = ξ − η > 0",
             equations: [
                 "f = K (ξ − η)",
