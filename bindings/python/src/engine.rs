@@ -8,7 +8,8 @@ use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, EngineState, PlacedShape, Stepping,
 };
 use palpate_world::{
-    ContactLaw, CoupledParams, Mesh, Quaternion, Sample, Shape, Tool, Vector, WorldError, WorldLoop,
+    ContactLaw, CoupledParams, Mesh, Quaternion, Sample, Shape, Tool, Vector, WorldErrors,
+    WorldLoop,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -88,9 +89,8 @@ type ContactNow = (usize, usize, &'static str, Vector, Vector, f64, Vector);
 type LedgerNow = (Vec<[f64; 8]>, Vec<[f64; 2]>);
 
 /// Returns an error with all faults, one per line.
-pub fn wrong(faults: &[WorldError]) -> PyErr {
-    let lines: Vec<_> = faults.iter().map(ToString::to_string).collect();
-    refused(lines.join("\n"))
+pub fn wrong(faults: &WorldErrors) -> PyErr {
+    refused(faults.to_string())
 }
 
 fn shape((kind, lengths, position, orientation, points): GivenShape) -> PyResult<PlacedShape> {

@@ -9,7 +9,7 @@ use palpate_rt::safety::SafetyParams;
 use palpate_scene::SceneFile;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_world::{
-    Effort, IDENTITY, Quaternion, Sample, Tool, Vector, WorldError, WorldPart, WorldState,
+    Effort, IDENTITY, Quaternion, Sample, Tool, Vector, WorldErrors, WorldPart, WorldState,
 };
 use pyo3::prelude::*;
 
@@ -94,21 +94,18 @@ impl PyWorld {
     }
 
     /// Returns the error of the first fault, with its source location if it is known.
-    pub fn wrong(&self, faults: &[WorldError]) -> PyErr {
+    pub fn wrong(&self, faults: &WorldErrors) -> PyErr {
         wrong(&self.file, self.is_file, faults)
     }
 }
 
 /// Returns the error of the first fault, with its source location if it is known and the text is a user's file.
-pub fn wrong(file: &WorldFile, is_file: bool, faults: &[WorldError]) -> PyErr {
-    let Some(first) = faults.first() else {
-        return refused("the world cannot be rendered");
-    };
+pub fn wrong(file: &WorldFile, is_file: bool, faults: &WorldErrors) -> PyErr {
+    let first = faults.first();
     if is_file && first.part != WorldPart::Method {
         return refused(file.at(first.part, first.field, first.to_string()));
     }
-    let lines: Vec<_> = faults.iter().map(ToString::to_string).collect();
-    refused(lines.join("\n"))
+    refused(faults.to_string())
 }
 
 #[pymethods]

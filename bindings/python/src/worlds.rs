@@ -7,7 +7,7 @@ use palpate_study::device_loop::{RecordedWorld, RecordedWorldError};
 use palpate_study::recording::WorldPathError;
 use palpate_study::sim::world::{WorldBench, WorldBenchError};
 use palpate_study::world::WorldReport;
-use palpate_world::{Vector, WorldError, WorldRenderer};
+use palpate_world::{Vector, WorldErrors, WorldRenderer};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
@@ -80,7 +80,7 @@ pub fn replay_world<'py>(
 fn renderers(
     scene: &WorldScene,
     methods: Vec<String>,
-) -> Result<Vec<(String, WorldRenderer)>, Vec<WorldError>> {
+) -> Result<Vec<(String, WorldRenderer)>, WorldErrors> {
     let named = methods.into_iter().map(|method| {
         let renderer = scene.renderer(&method)?;
         Ok((method, renderer))

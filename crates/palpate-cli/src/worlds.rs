@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use palpate_scene::world::{WorldFile, WorldScene, hand_guard, usual_guard};
-use palpate_world::{WorldError, WorldField, WorldGuard, WorldPart};
+use palpate_world::{WorldErrors, WorldField, WorldGuard, WorldPart};
 
 use crate::arguments::{Flags, Given};
 use crate::failure::Failure;
@@ -80,8 +80,8 @@ pub fn known(method: &str) -> &'static str {
 }
 
 /// Explains errors of a parsed world: the error is in a flag if one gave the method, else in the file.
-pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &[WorldError]) -> Failure {
-    let first = &faults[0];
+pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &WorldErrors) -> Failure {
+    let first = faults.first();
     for (field, flag, value) in [
         (
             WorldField::GuardLargestSpeed,

@@ -23,7 +23,7 @@ use palpate_scene::world::WorldFile;
 use palpate_study::sim::device::SpatialDevice;
 use palpate_world::engine::local::{LocalContact, LocalParams, LocalProgress, LocalRenderer};
 use palpate_world::engine::{BodyNow, BodyWrench};
-use palpate_world::{ContactLaw, CoupledParams, Shape, Tool, Vector, WorldError, WorldLoop};
+use palpate_world::{ContactLaw, CoupledParams, Shape, Tool, Vector, WorldErrors, WorldLoop};
 
 const PERIOD: f64 = 0.001;
 const TOOL: f64 = 0.01;
@@ -106,7 +106,7 @@ impl Host {
 }
 
 /// Runs the simulator thread.
-fn host(mut slow: LowRateSimulator, is_over: &AtomicBool) -> Result<(), Vec<WorldError>> {
+fn host(mut slow: LowRateSimulator, is_over: &AtomicBool) -> Result<(), WorldErrors> {
     let mut world = Host {
         height: BALL,
         velocity: 0.0,
@@ -135,8 +135,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         LocalParams::new(1, 2),
         WorldLoop::new(PERIOD),
         CoupledParams::new(vec![[0.15; 3]]),
-    )
-    .map_err(|faults| faults[0].clone())?;
+    )?;
     let (slow, world) = local_world(renderer, WorldFrame::the_same())?;
     let scene = WorldFile::parse("device", DEVICE)?.scene;
     let clock = MonotonicClock::new();
@@ -162,7 +161,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         control.disable_output();
         is_over.store(true, Ordering::Release);
         match host.join() {
-            Ok(ended) => Ok(ended.map_err(|faults| faults[0].clone())?),
+            Ok(ended) => Ok(ended?),
             Err(_) => Err("the host's thread has panicked".into()),
         }
     })?;

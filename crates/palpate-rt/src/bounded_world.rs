@@ -6,8 +6,8 @@
 use palpate_core::Actuation;
 use palpate_device::Wrench;
 use palpate_world::{
-    BodyState, Effort, Limited, Sample, Vector, World, WorldError, WorldFault, WorldRenderer,
-    WorldState,
+    BodyState, Effort, Limited, Sample, Vector, World, WorldError, WorldErrors, WorldFault,
+    WorldRenderer, WorldState,
 };
 
 use crate::created_energy::CreatedEnergy;
@@ -294,7 +294,7 @@ impl BoundedWorld {
     ///
     /// # Errors
     /// All errors of the new world; nothing changes then.
-    pub fn change(&mut self, world: &World) -> Result<(), Vec<WorldError>> {
+    pub fn change(&mut self, world: &World) -> Result<(), WorldErrors> {
         let (renderer, state) = self.renderer.changed(&self.state, world)?;
         let renderer = std::mem::replace(&mut self.renderer, renderer);
         let state = std::mem::replace(&mut self.state, state);

@@ -30,7 +30,7 @@ pub use dynamics::ledger::{
     BodyLedger, ContactLedger, Departed, DeviceLedger, EnergyLedger, JointLedger,
 };
 pub use error::field::WorldField;
-pub use error::{LARGEST, LEAST, WorldError, WorldPart, out_of_range};
+pub use error::{LARGEST, LEAST, WorldError, WorldErrors, WorldPart, out_of_range};
 pub use geometry::hull::{Hull, HullError, MAX_POINTS};
 pub use geometry::mesh::{
     DistanceGrid, GridBytesError, GridError, InvalidGrid, InvalidShell, MassProperties, Mesh,

@@ -73,10 +73,7 @@ impl Contact {
         let parts = world.integration_parameters.num_solver_iterations;
         let stepping = Stepping::Parts(u32::try_from(parts).unwrap_or(u32::MAX));
         let renderer = EngineRenderer::new(&[tool], &described?, stepping, loop_params, device);
-        let renderer = renderer.map_err(|faults| {
-            let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
-            faults.join("\n")
-        })?;
+        let renderer = renderer.map_err(|faults| faults.to_string())?;
         Ok(Self {
             state: renderer.start(),
             renderer,

@@ -5,7 +5,6 @@ use palpate_world::engine::BodyNow;
 use super::{BodyProgress, HostBody, HostContact, Progress};
 use crate::array::{array, array_mut};
 use crate::edge::status;
-use crate::scene::in_words;
 use crate::sized::Room;
 use crate::status::{Refusal, Status};
 
@@ -118,6 +117,6 @@ pub unsafe extern "C" fn palpate_low_rate_simulator_publish(
         let contacts: Vec<_> = contacts.iter().map(HostContact::local).collect();
         host.end
             .publish(tick, &bodies, &contacts)
-            .map_err(|faults| Refusal::Numbers(in_words(&faults)))
+            .map_err(|faults| Refusal::Numbers(faults.to_string()))
     })
 }

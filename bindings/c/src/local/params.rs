@@ -6,7 +6,7 @@ use palpate_world::engine::local::{LocalParams as Room, LocalRenderer};
 use palpate_world::{CoupledParams, Shape, Tool, WorldLoop};
 
 use crate::edge::status;
-use crate::scene::{check, in_words};
+use crate::scene::check;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 
@@ -146,7 +146,7 @@ impl LocalParams {
         };
         let coupled = CoupledParams::new(vec![self.device_mass]).with_encoder_quantum(self.quantum);
         LocalRenderer::new(&[tool], room, loop_params, coupled)
-            .map_err(|faults| Refusal::Numbers(in_words(&faults)))
+            .map_err(|faults| Refusal::Numbers(faults.to_string()))
     }
 
     /// Returns the limits of the device force.

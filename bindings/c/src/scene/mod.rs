@@ -71,12 +71,6 @@ fn wrong(words: impl Into<String>) -> Refusal<'static> {
     Refusal::Scene(words.into())
 }
 
-/// Returns the faults, one per line.
-pub(crate) fn in_words(faults: &[WorldError]) -> String {
-    let lines: Vec<String> = faults.iter().map(ToString::to_string).collect();
-    lines.join("\n")
-}
-
 /// Creates a scene without devices, bodies, laws and joints and stores it in `*scene`, or NULL on an error. Free it
 /// with palpate_scene_free.
 ///
@@ -249,14 +243,20 @@ impl Scene {
     /// Checks the world after a change and reports the faults that `is` selects; devices may still be missing. An
     /// unknown name is a scene error, any other fault a parameter error.
     fn check(&self, is: impl Fn(&WorldError) -> bool) -> Result<(), Refusal<'static>> {
-        let faults = self.scene.world.check().err().unwrap_or_default();
-        let own: Vec<_> = faults.into_iter().filter(is).collect();
+        let faults = self.scene.world.check().err().into_iter().flatten();
+        let own: Vec<_> = faults.filter(is).collect();
+        let words = || {
+            own.iter()
+                .map(ToString::to_string)
+                .collect::<Vec<_>>()
+                .join("\n")
+        };
         if own.is_empty() {
             Ok(())
         } else if own.iter().any(|fault| fault.field == WorldField::Between) {
-            Err(wrong(in_words(&own)))
+            Err(wrong(words()))
         } else {
-            Err(Refusal::Numbers(in_words(&own)))
+            Err(Refusal::Numbers(words()))
         }
     }
 }

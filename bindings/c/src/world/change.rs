@@ -45,7 +45,7 @@ pub unsafe extern "C" fn palpate_world_change(world: *mut World, scene: *mut Sce
         world
             .bounded
             .change(described)
-            .map_err(|faults| Refusal::WorldChange(scene::in_words(&faults)))?;
+            .map_err(|faults| Refusal::WorldChange(faults.to_string()))?;
         world.bodies = names_of_bodies(described);
         world.rows = WorldRows::new(described, world.bounded.state());
         world.source = None;

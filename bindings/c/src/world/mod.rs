@@ -24,7 +24,7 @@ use std::ffi::CString;
 
 use palpate_rt::{BoundedWorld, WorldRows};
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_world::{IDENTITY, Quaternion, Vector, WorldError};
+use palpate_world::{IDENTITY, Quaternion, Vector, WorldErrors};
 
 use crate::edge::status;
 use crate::identity::Identity;
@@ -123,7 +123,7 @@ unsafe fn make<'a>(
         let (name, text) = source()?;
         let file =
             WorldFile::parse(&name, &text).map_err(|errors| Refusal::Scene(errors.to_string()))?;
-        let words = |faults: &[WorldError]| in_words(&file, faults, asked.method.is_some());
+        let words = |faults: &WorldErrors| in_words(&file, faults, asked.method.is_some());
         let world = World::new(&file.scene, Some(text), &asked, words)?;
         *out = Box::into_raw(Box::new(world));
         Ok(())
@@ -149,7 +149,7 @@ pub unsafe extern "C" fn palpate_world_of_scene(
         // SAFETY: guaranteed by the caller.
         let (scene, asked) = unsafe { (scene::at(scene)?, Asked::at(params)?) };
         let source = scene.source.clone();
-        let world = World::new(&scene.scene, source, &asked, scene::in_words)?;
+        let world = World::new(&scene.scene, source, &asked, WorldErrors::to_string)?;
         *out = Box::into_raw(Box::new(world));
         Ok(())
     })
@@ -160,7 +160,7 @@ impl World {
         scene: &WorldScene,
         source: Option<String>,
         asked: &Asked,
-        in_words: impl FnOnce(&[WorldError]) -> String,
+        in_words: impl FnOnce(&WorldErrors) -> String,
     ) -> Result<Self, Refusal<'a>> {
         let mut scene = scene.clone();
         let limits = asked.limits(&mut scene.render);
@@ -211,7 +211,7 @@ fn names_of_bodies(world: &palpate_world::World) -> Vec<CString> {
 }
 
 /// Returns the faults of a scene, one per line.
-fn in_words(file: &WorldFile, faults: &[WorldError], is_method_given: bool) -> String {
+fn in_words(file: &WorldFile, faults: &WorldErrors, is_method_given: bool) -> String {
     let lines: Vec<String> = faults
         .iter()
         .map(|fault| {

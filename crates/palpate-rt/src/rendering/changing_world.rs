@@ -4,7 +4,7 @@ use palpate_core::Actuation;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
-use palpate_world::{Motion, Succession, World, WorldError};
+use palpate_world::{Motion, Succession, World, WorldErrors};
 
 use super::renders::{Answer, DeviceSamples, Renders};
 use super::world::RenderedWorld;
@@ -87,8 +87,8 @@ pub enum WorldChangeError {
     )]
     Device,
     /// The world cannot continue from the previous one.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Succession(Vec<WorldError>),
+    #[error(transparent)]
+    Succession(#[from] WorldErrors),
     /// The loop has not taken the earlier worlds.
     #[error("{WAITING} worlds are already queued; the loop takes them at its next tick")]
     Busy,
@@ -166,9 +166,7 @@ impl Worlds {
             is_there && motion(&now.motion) == motion(&then.motion)
         });
         let is_kept: Vec<bool> = is_kept.collect();
-        let succession = world
-            .migrate(&self.last, &is_kept)
-            .map_err(WorldChangeError::Succession)?;
+        let succession = world.migrate(&self.last, &is_kept)?;
         let generation = self.generation.wrapping_add(1);
         let last = world.clone();
         let other = Box::new(Other {

@@ -8,7 +8,7 @@ use palpate_world::engine::BodyNow;
 use palpate_world::engine::local::{
     LocalContact, LocalModel, LocalProgress, LocalRenderer, LocalState,
 };
-use palpate_world::{Limited, Mode, Sample, WorldError};
+use palpate_world::{Limited, Mode, Sample, WorldErrors};
 
 use super::frame::WorldFrame;
 use super::renders::{Answer, DeviceSamples, Renders};
@@ -127,7 +127,7 @@ impl LowRateSimulator {
         tick: u64,
         bodies: &[BodyNow],
         contacts: &[Option<LocalContact>],
-    ) -> Result<(), Vec<WorldError>> {
+    ) -> Result<(), WorldErrors> {
         let model = self.renderer.model(tick, bodies, contacts)?;
         // This frees the previous content of the buffer here, never in the loop.
         self.out.write(Some(model));

@@ -4,7 +4,7 @@ use palpate_core::Actuation;
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 use palpate_world::{
-    Limited, Sample, Succession, Tool, World, WorldError, WorldRenderer, WorldState,
+    Limited, Sample, Succession, Tool, World, WorldErrors, WorldRenderer, WorldState,
 };
 
 use super::frame::WorldFrame;
@@ -128,7 +128,7 @@ impl RenderedWorld {
         &mut self,
         before: &Self,
         is_kept: &[bool],
-    ) -> Result<Succession, Vec<WorldError>> {
+    ) -> Result<Succession, WorldErrors> {
         let succession = self.renderer.migrate(&before.renderer, is_kept)?;
         self.state = self.renderer.start();
         Ok(succession)

@@ -147,7 +147,7 @@ fn refused_model_is_reported_to_the_host() {
     let three = [floor(); 3];
     let faults = host.publish(4, &[], &three).unwrap_err();
     assert!(
-        faults[0].to_string().contains("at most 2 are allowed"),
+        faults.first().to_string().contains("at most 2 are allowed"),
         "{faults:?}"
     );
     let Err(error) = local_world(renderer(2), WorldFrame::the_same()) else {

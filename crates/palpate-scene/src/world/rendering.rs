@@ -2,8 +2,8 @@
 
 use palpate_world::{
     BasicParams, CoupledParams, GodObjectParams, HfcrParams, PopcParams, SehParams, Tool,
-    VirtualCouplingParams, WorldError, WorldField, WorldGuard, WorldLoop, WorldMethod, WorldPart,
-    WorldRenderer,
+    VirtualCouplingParams, WorldError, WorldErrors, WorldField, WorldGuard, WorldLoop, WorldMethod,
+    WorldPart, WorldRenderer,
 };
 
 use super::{Coupling, WorldRender, WorldScene};
@@ -280,9 +280,8 @@ impl WorldScene {
     ///
     /// # Errors
     /// All errors of the method, and of the world for this method: at least one.
-    pub fn renderer(&self, method: &str) -> Result<WorldRenderer, Vec<WorldError>> {
-        let method = self.method(method).map_err(|fault| vec![fault])?;
-        WorldRenderer::new(&self.world, self.loop_params(), method)
+    pub fn renderer(&self, method: &str) -> Result<WorldRenderer, WorldErrors> {
+        WorldRenderer::new(&self.world, self.loop_params(), self.method(method)?)
     }
 }
 

@@ -3,13 +3,13 @@
 use crate::sim::device::{Model, model_of_devices};
 use palpate_rt::{OnDevice, RenderedWorld, SetupError};
 use palpate_scene::world::WorldScene;
-use palpate_world::{Tool, WorldError};
+use palpate_world::{Tool, WorldErrors};
 
 /// Reason why a loop cannot render a world on its devices.
 #[derive(Debug)]
 pub enum NotRendered {
     /// Faults of the world, at least one.
-    World(Vec<WorldError>),
+    World(WorldErrors),
     /// The devices do not fit the world.
     Devices(SetupError),
 }

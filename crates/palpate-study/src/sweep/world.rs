@@ -81,7 +81,7 @@ impl SweptWorld {
         let peaks = ideal.flat_map(|device| device.peaks.iter().copied());
         let ideal_peak_force = peaks.fold(0.0, f64::max);
         let of = |method: &&str| {
-            let renderer = world.renderer(method).map_err(WorldBenchError::Rendering)?;
+            let renderer = world.renderer(method)?;
             let run = bench.run(method, &renderer)?;
             let peaks = run
                 .evaluation

@@ -265,7 +265,7 @@ fn row(
         let settings = (&best.settings).into();
         return Ok(figures(&best.run, Some(tuned.len()), settings));
     }
-    let renderer = scene.renderer(method).map_err(WorldBenchError::Rendering)?;
+    let renderer = scene.renderer(method)?;
     let run = bench.run(method, &renderer)?;
     let settings = match Tunable::named(method) {
         Some(tunable) => tunable.of_settings(&scene.settings(method)),

@@ -293,8 +293,7 @@ fn errors(
         ..palpate_core::Actuation::default()
     });
     let error = |method: WorldMethod| -> Result<f64, WorldBenchError> {
-        let renderer = WorldRenderer::new(&rendered, loop_params.clone(), method)
-            .map_err(WorldBenchError::Rendering)?;
+        let renderer = WorldRenderer::new(&rendered, loop_params.clone(), method)?;
         let run = bench.run("", &renderer)?;
         let fidelity = run.evaluation.sum;
         Ok(fidelity.map_or(0.0, |fidelity| fidelity.mean_force_error))
@@ -308,7 +307,7 @@ fn errors(
     };
     let setting = |settings: &WorldSettings, name: &str| {
         let method = settings.method(name, devices, false);
-        let method = method.map_err(|fault| WorldBenchError::Rendering(vec![fault]))?;
+        let method = method.map_err(|fault| WorldBenchError::Rendering(fault.into()))?;
         method.map_or(Ok(f64::NAN), &error)
     };
     let mut errors = [0.0; NAMES.len()];

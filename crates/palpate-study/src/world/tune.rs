@@ -78,10 +78,9 @@ pub fn tune(
     let feels_torque = scene.world.tools.iter().any(Tool::feels_torque);
     let one = |settings: &WorldSettings| {
         let method = settings.method(tunable.name(), scene.devices.len(), feels_torque);
-        let method = method.map_err(|fault| WorldBenchError::Rendering(vec![fault]))?;
+        let method = method.map_err(|fault| WorldBenchError::Rendering(fault.into()))?;
         let method = method.expect("a method that has something to tune has a name");
-        let renderer = WorldRenderer::new(&scene.world, scene.loop_params(), method)
-            .map_err(WorldBenchError::Rendering)?;
+        let renderer = WorldRenderer::new(&scene.world, scene.loop_params(), method)?;
         let run = bench.run(tunable.name(), &renderer)?;
         done();
         Ok(Tuned {

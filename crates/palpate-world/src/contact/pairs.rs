@@ -11,7 +11,8 @@ use crate::geometry::mesh::{POINTS_PER_MESH, Surface};
 use crate::geometry::rigid::{Mobility, Rigid, Vector3};
 use crate::geometry::solid::Solid;
 use crate::{
-    ContactLaw, Mesh, Motion, PointShell, Shape, World, WorldError, WorldField, WorldPart,
+    ContactLaw, Mesh, Motion, PointShell, Shape, World, WorldError, WorldErrors, WorldField,
+    WorldPart,
 };
 
 /// Maximum number of contact points of large shells in a world. A tick visits all of them a few times.
@@ -130,7 +131,7 @@ pub(crate) struct Contacts {
 }
 
 /// Returns all contact points of a checked world, or a fault for every pair that cannot be rendered.
-pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts, Vec<WorldError>> {
+pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts, WorldErrors> {
     let parts = candidates(world);
     let mut collected = Collected::default();
     for (i, one) in parts.iter().enumerate() {
@@ -155,16 +156,13 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
     for point in &mut collected.points {
         set_levers(point, mobilities);
     }
-    if collected.faults.is_empty() {
-        Ok(Contacts {
-            nearby: Nearby::new(collected.points.len(), collected.patches),
-            points: collected.points,
-            surfaces: collected.surfaces,
-            blocks: collected.blocks,
-        })
-    } else {
-        Err(collected.faults)
-    }
+    WorldErrors::check(collected.faults)?;
+    Ok(Contacts {
+        nearby: Nearby::new(collected.points.len(), collected.patches),
+        points: collected.points,
+        surfaces: collected.surfaces,
+        blocks: collected.blocks,
+    })
 }
 
 /// Returns the tools and bodies of a world, tools first.

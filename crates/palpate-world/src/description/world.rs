@@ -8,7 +8,7 @@ use crate::error::out_of_range;
 use crate::geometry::rigid::{Matrix3, Vector3};
 use crate::{
     Body, Contact, ContactLaw, Free, Joint, JointKind, Motion, Party, Shape, Tool, Vector,
-    WorldError, WorldField, WorldPart,
+    WorldError, WorldErrors, WorldField, WorldPart,
 };
 
 /// World description: tools, bodies, joints and contact laws.
@@ -57,18 +57,14 @@ impl World {
     /// # Errors
     ///
     /// Returns all faults in the order tools, bodies, contacts, joints (at least one).
-    pub fn check(&self) -> Result<(), Vec<WorldError>> {
+    pub fn check(&self) -> Result<(), WorldErrors> {
         let mut faults = Vec::new();
         let mut names = HashSet::new();
         self.check_tools(&mut names, &mut faults);
         self.check_bodies(&mut names, &mut faults);
         self.check_contacts(&names, &mut faults);
         self.check_joints(&mut faults);
-        if faults.is_empty() {
-            Ok(())
-        } else {
-            Err(faults)
-        }
+        WorldErrors::check(faults)
     }
 
     /// Reports the faults of the tools, and collects their names.

@@ -19,7 +19,7 @@ use crate::integration::interval::MAX_TIMES;
 use crate::method::coupled::{Coupled, MIN_FORCE};
 use crate::{
     ContactLedger, CoupledParams, Effort, Limited, Mode, Sample, Tool, ToolState, Vector,
-    WorldError, WorldField, WorldGuard, WorldLoop, WorldPart,
+    WorldError, WorldErrors, WorldField, WorldGuard, WorldLoop, WorldPart,
 };
 
 /// Devices coupled to images of bodies, in one loop.
@@ -38,7 +38,7 @@ impl Coupling {
         params: CoupledParams,
         bodies: &str,
         mut faults: Vec<WorldError>,
-    ) -> Result<Self, Vec<WorldError>> {
+    ) -> Result<Self, WorldErrors> {
         faults.extend(loop_params.faults(tools.len()));
         if loop_params.guard != WorldGuard::Off {
             let message = format!(
@@ -58,7 +58,7 @@ impl Coupling {
             }),
             checked => {
                 faults.extend(checked.err().into_iter().flatten());
-                Err(faults)
+                Err(WorldErrors::all(faults))
             }
         }
     }

@@ -163,7 +163,7 @@ pub(super) fn of_spheres(tools: &[Tool]) -> (Vec<f64>, Vec<WorldError>) {
         tools: tools.to_vec(),
         ..crate::World::default()
     };
-    let mut faults = alone.check().err().unwrap_or_default();
+    let mut faults: Vec<_> = alone.check().err().into_iter().flatten().collect();
     let mut radii = Vec::new();
     for (number, tool) in tools.iter().enumerate() {
         let subject = || format!("tool {:?}", tool.name);

@@ -7,7 +7,7 @@ use super::coupling::Coupling;
 use super::image::Image;
 use super::pairs::{Pair, pairs};
 use super::state::{BodyPortLedger, EngineOutput, EngineState};
-use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
+use crate::{CoupledParams, Sample, Tool, Vector, WorldErrors, WorldLoop};
 
 /// Renderer for contacts of tools with the bodies of another engine, in one loop. It is immutable: one renderer
 /// serves any number of [`EngineState`]s.
@@ -31,7 +31,7 @@ impl EngineRenderer {
         stepping: Stepping,
         loop_params: WorldLoop,
         params: CoupledParams,
-    ) -> Result<Self, Vec<WorldError>> {
+    ) -> Result<Self, WorldErrors> {
         let (pairs, faults) = pairs(tools, bodies);
         Ok(Self {
             coupling: Coupling::checked(tools, loop_params, params, "an engine's", faults)?,

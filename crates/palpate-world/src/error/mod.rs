@@ -97,3 +97,72 @@ impl WorldError {
         }
     }
 }
+
+/// Every fault of a world, of its rendering, or of a change to it: at least one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldErrors(Vec<WorldError>);
+
+impl WorldErrors {
+    /// Takes `faults`, at least one.
+    pub(crate) fn all(faults: Vec<WorldError>) -> Self {
+        debug_assert!(!faults.is_empty());
+        Self(faults)
+    }
+
+    /// Fails with `faults` if there are any.
+    pub(crate) fn check(faults: Vec<WorldError>) -> Result<(), Self> {
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(Self::all(faults))
+        }
+    }
+
+    /// Returns the first fault.
+    #[must_use]
+    pub fn first(&self) -> &WorldError {
+        &self.0[0]
+    }
+
+    /// Returns an iterator over the faults.
+    pub fn iter(&self) -> std::slice::Iter<'_, WorldError> {
+        self.0.iter()
+    }
+}
+
+impl From<WorldError> for WorldErrors {
+    fn from(fault: WorldError) -> Self {
+        Self(vec![fault])
+    }
+}
+
+impl IntoIterator for WorldErrors {
+    type Item = WorldError;
+    type IntoIter = std::vec::IntoIter<WorldError>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
+    }
+}
+
+impl<'a> IntoIterator for &'a WorldErrors {
+    type Item = &'a WorldError;
+    type IntoIter = std::slice::Iter<'a, WorldError>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+/// A line for each.
+impl fmt::Display for WorldErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (number, fault) in self.iter().enumerate() {
+            let separator = if number == 0 { "" } else { "\n" };
+            write!(f, "{separator}{fault}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for WorldErrors {}

@@ -9,7 +9,7 @@ use crate::geometry::rigid::{Rotation, Vector3, quaternion};
 use crate::geometry::turning::TurningDrive;
 use crate::integration::interval::advance;
 use crate::method::state::{Progress, show_contacts};
-use crate::{Effort, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
+use crate::{Effort, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of basic rendering.
 ///
@@ -26,7 +26,7 @@ pub struct BasicParams {
 }
 
 impl BasicParams {
-    pub(super) fn check(self, tools: usize) -> Result<Basic, Vec<WorldError>> {
+    pub(super) fn check(self, tools: usize) -> Result<Basic, WorldErrors> {
         let mut faults = Vec::new();
         let lists = [
             (WorldField::Damping, &self.damping),
@@ -45,14 +45,11 @@ impl BasicParams {
                 }
             }
         }
-        if faults.is_empty() {
-            Ok(Basic {
-                damping: self.damping,
-                rotational_damping: self.rotational_damping,
-            })
-        } else {
-            Err(faults)
-        }
+        WorldErrors::check(faults)?;
+        Ok(Basic {
+            damping: self.damping,
+            rotational_damping: self.rotational_damping,
+        })
     }
 }
 

@@ -9,7 +9,7 @@ use crate::dynamics::linkage::Linkage;
 use crate::error::out_of_range;
 use crate::geometry::axes::Axes;
 use crate::geometry::rigid::Vector3;
-use crate::{Tool, Vector, WorldError, WorldField, WorldPart};
+use crate::{Tool, Vector, WorldError, WorldErrors, WorldField, WorldPart};
 
 /// Parameters of coupled rendering.
 ///
@@ -99,14 +99,12 @@ impl CoupledParams {
         Self { prior, ..self }
     }
 
-    pub(crate) fn check(self, all: &[Tool]) -> Result<Coupled, Vec<WorldError>> {
+    pub(crate) fn check(self, all: &[Tool]) -> Result<Coupled, WorldErrors> {
         let mut faults = Vec::new();
         self.check_masses(all.len(), &mut faults);
         self.check_inertias(all, &mut faults);
         self.check_ranges(&mut faults);
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        WorldErrors::check(faults)?;
         Ok(self.coupled(all))
     }
 

@@ -14,7 +14,9 @@ use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::Solid;
 use crate::integration::interval::advance;
 use crate::method::state::{Progress, show_contacts};
-use crate::{Effort, Shape, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
+use crate::{
+    Effort, Shape, Tool, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer,
+};
 
 /// Parameters of god-object rendering.
 ///
@@ -59,7 +61,7 @@ impl GodObjectParams {
         ))
     }
 
-    pub(super) fn check(self, tools: &[Tool]) -> Result<GodObject, Vec<WorldError>> {
+    pub(super) fn check(self, tools: &[Tool]) -> Result<GodObject, WorldErrors> {
         let mut faults = Vec::new();
         for (field, list, range) in [
             (WorldField::Stiffness, &self.stiffness, Range::Positive),
@@ -85,16 +87,13 @@ impl GodObjectParams {
             wrong.for_each(&mut fault);
         }
         faults.extend(tools.iter().filter_map(|tool| Self::can_render(tool).err()));
-        if faults.is_empty() {
-            let couplings = self.stiffness.into_iter().zip(self.damping);
-            Ok(GodObject {
-                couplings: couplings
-                    .map(|(stiffness, damping)| Coupling { stiffness, damping })
-                    .collect(),
-            })
-        } else {
-            Err(faults)
-        }
+        WorldErrors::check(faults)?;
+        let couplings = self.stiffness.into_iter().zip(self.damping);
+        Ok(GodObject {
+            couplings: couplings
+                .map(|(stiffness, damping)| Coupling { stiffness, damping })
+                .collect(),
+        })
     }
 }
 

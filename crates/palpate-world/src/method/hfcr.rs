@@ -15,7 +15,7 @@ use crate::integration::interval::advance;
 use crate::method::basic::Basic;
 use crate::method::coupled::exchange_gathered;
 use crate::method::state::{Progress, show_contacts};
-use crate::{Effort, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
+use crate::{Effort, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of HFCR.
 ///
@@ -58,7 +58,7 @@ impl HfcrParams {
         }
     }
 
-    pub(super) fn check(self, tools: usize) -> Result<Hfcr, Vec<WorldError>> {
+    pub(super) fn check(self, tools: usize) -> Result<Hfcr, WorldErrors> {
         let mut faults = Vec::new();
         let field = WorldField::Damping;
         faults.extend(one_per_tool(field, self.damping.len(), tools).err());
@@ -67,9 +67,7 @@ impl HfcrParams {
         faults.extend(
             wrong.map(|message| WorldError::new(WorldPart::Method, field, "the method", message)),
         );
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        WorldErrors::check(faults)?;
         Ok(Hfcr {
             smooth_transition: self.smooth_transition,
             damping: self.damping,

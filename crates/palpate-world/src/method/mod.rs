@@ -30,7 +30,9 @@ pub use virtual_coupling::VirtualCouplingParams;
 use crate::geometry::rigid::Vector3;
 use crate::integration::held_tools::HeldTools;
 use crate::method::state::Progress;
-use crate::{Effort, Limited, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
+use crate::{
+    Effort, Limited, Tool, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer,
+};
 use basic::Basic;
 use coupled::{Coupled, CoupledMemory};
 use god_object::{GodObject, GodObjectMemory};
@@ -73,7 +75,7 @@ impl WorldMethod {
         }
     }
 
-    pub(crate) fn check(self, tools: &[Tool]) -> Result<Checked, Vec<WorldError>> {
+    pub(crate) fn check(self, tools: &[Tool]) -> Result<Checked, WorldErrors> {
         match self {
             Self::Basic(params) => params.check(tools.len()).map(Checked::Basic),
             Self::VirtualCoupling(params) => params.check(tools).map(Checked::VirtualCoupling),

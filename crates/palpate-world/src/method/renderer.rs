@@ -24,7 +24,7 @@ use crate::method::far_side::Entry;
 use crate::method::state::{ContactState, Progress, ToolState, WorldState, body_state};
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::{
-    Body, Effort, Limited, Motion, Output, Sample, Tool, Vector, World, WorldError, WorldFault,
+    Body, Effort, Limited, Motion, Output, Sample, Tool, Vector, World, WorldErrors, WorldFault,
     WorldGuard, WorldLoop,
 };
 
@@ -62,7 +62,7 @@ impl WorldRenderer {
         world: &World,
         loop_params: WorldLoop,
         method: impl Into<WorldMethod>,
-    ) -> Result<Self, Vec<WorldError>> {
+    ) -> Result<Self, WorldErrors> {
         world.check()?;
         let tools = world.tools.len();
         let mut faults = Vec::new();
@@ -104,7 +104,7 @@ impl WorldRenderer {
             (points, method) => {
                 faults.extend(points.err().into_iter().flatten());
                 faults.extend(method.err().into_iter().flatten());
-                return Err(faults);
+                return Err(WorldErrors::all(faults));
             }
         };
         for point in &mut found.points {

@@ -8,7 +8,7 @@ use crate::geometry::rigid::Vector3;
 use crate::integration::moving::Moving;
 use crate::method::basic::Basic;
 use crate::method::state::Progress;
-use crate::{Effort, Tool, WorldError, WorldField, WorldPart, WorldRenderer};
+use crate::{Effort, Tool, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of sample-estimate-hold (Ellis, Sarkar, Jenkins 1997).
 ///
@@ -63,7 +63,7 @@ impl PopcParams {
         }
     }
 
-    pub(super) fn check(self, tools: &[Tool]) -> Result<Sampled, Vec<WorldError>> {
+    pub(super) fn check(self, tools: &[Tool]) -> Result<Sampled, WorldErrors> {
         let mut faults = Vec::new();
         let cap = WorldField::DampingCap;
         let (given, wanted) = (self.damping_cap.len(), tools.len());
@@ -90,11 +90,8 @@ impl PopcParams {
                 faults.push(WorldError::new(part, field, "the method", message));
             }
         }
-        if faults.is_empty() {
-            Ok(Sampled::Observed(self))
-        } else {
-            Err(faults)
-        }
+        WorldErrors::check(faults)?;
+        Ok(Sampled::Observed(self))
     }
 }
 

@@ -8,7 +8,7 @@ use crate::geometry::rigid::{Rotation, Vector3, quaternion};
 use crate::geometry::turning::TurningDrive;
 use crate::integration::interval::advance;
 use crate::method::state::{Progress, show_contacts};
-use crate::{Effort, Tool, Vector, WorldError, WorldField, WorldPart, WorldRenderer};
+use crate::{Effort, Tool, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer};
 
 /// Parameters of virtual coupling.
 ///
@@ -41,12 +41,9 @@ struct Coupling {
 }
 
 impl VirtualCouplingParams {
-    pub(super) fn check(self, all: &[Tool]) -> Result<VirtualCoupling, Vec<WorldError>> {
+    pub(super) fn check(self, all: &[Tool]) -> Result<VirtualCoupling, WorldErrors> {
         let tools = all.len();
-        let faults = self.faults(all);
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        WorldErrors::check(self.faults(all))?;
         let coupling = |lists: [&[f64]; 3], tool: usize| Coupling {
             stiffness: lists[0][tool],
             damping: lists[1][tool],

@@ -445,23 +445,26 @@ fn what_cannot_be_is_refused_and_nothing_changes() {
     let mut other = world.clone();
     other.tools[0].name = "finger".into();
     let faults = renderer.changed(&state, &other).unwrap_err();
-    let words = faults[0].to_string();
+    let words = faults.first().to_string();
     assert!(words.contains("it was \"tool\""), "{words}");
     let mut two = world.clone();
     two.tools
         .push(Tool::new("second", Shape::Sphere { radius: 0.0 }));
     let faults = renderer.changed(&state, &two).unwrap_err();
     assert!(
-        faults[0].to_string().contains("2 tools, previously 1"),
+        faults.first().to_string().contains("2 tools, previously 1"),
         "{}",
-        faults[0]
+        faults.first()
     );
     let mut heavy = world;
     if let Motion::Free(free) = &mut heavy.bodies[1].motion {
         free.mass = 0.0;
     }
     assert_eq!(
-        renderer.changed(&state, &heavy).unwrap_err()[0]
+        renderer
+            .changed(&state, &heavy)
+            .unwrap_err()
+            .first()
             .field
             .name(),
         "mass"

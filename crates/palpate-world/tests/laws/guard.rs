@@ -411,7 +411,7 @@ fn a_guard_of_a_world_without_meaning_is_refused() {
             let refused = WorldRenderer::new(&world, loop_params, BasicParams::default());
             let faults = refused.unwrap_err();
             assert_eq!(
-                (faults[0].part, faults[0].field.name()),
+                (faults.first().part, faults.first().field.name()),
                 (WorldPart::Loop, field)
             );
         }

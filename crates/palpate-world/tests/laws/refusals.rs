@@ -36,9 +36,8 @@ fn faults(
     loop_params: WorldLoop,
     method: impl Into<WorldMethod>,
 ) -> Vec<WorldError> {
-    WorldRenderer::new(world, loop_params, method)
-        .map(|_| ())
-        .unwrap_err()
+    let refused = WorldRenderer::new(world, loop_params, method).map(|_| ());
+    refused.unwrap_err().into_iter().collect()
 }
 
 #[test]

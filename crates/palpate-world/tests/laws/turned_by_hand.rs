@@ -238,9 +238,9 @@ fn what_turns_is_refused_where_it_makes_no_sense() {
     let mut world = as_world(case);
     world.tools[0].turns = false;
     let refused = WorldRenderer::new(&world, WorldLoop::new(0.001), exact(case)).unwrap_err();
-    assert_eq!(refused.len(), 1, "{refused:?}");
-    assert_eq!(refused[0].part, WorldPart::Tool(0));
-    assert_eq!(refused[0].field.name(), "gives_torque");
+    assert_eq!(refused.iter().len(), 1, "{refused:?}");
+    assert_eq!(refused.first().part, WorldPart::Tool(0));
+    assert_eq!(refused.first().field.name(), "gives_torque");
 
     // A running world keeps its tools.
     let world = as_world(case);
@@ -249,7 +249,7 @@ fn what_turns_is_refused_where_it_makes_no_sense() {
     let mut other = world.clone();
     other.tools[0] = Tool::new("tool", case.shape.clone()).turning();
     let refused = renderer.changed(&state, &other).unwrap_err();
-    let said = refused[0].to_string();
+    let said = refused.first().to_string();
     assert!(said.contains("turns without torque"), "{said}");
 
     // A virtual coupling has no rotational spring without a torque output.
@@ -258,6 +258,6 @@ fn what_turns_is_refused_where_it_makes_no_sense() {
         ..coupling()
     };
     let refused = WorldRenderer::new(&world, WorldLoop::new(0.001), springs).unwrap_err();
-    let said = refused[0].to_string();
+    let said = refused.first().to_string();
     assert!(said.contains("no tool gives a torque"), "{said}");
 }

@@ -116,7 +116,7 @@ fn lane_opener(
             lacking_axes(&file.scene, &on).iter().for_each(tell);
         }
         let world = world.map_err(|error| match error {
-            NotRendered::World(faults) => Failure::input(&faults[0]),
+            NotRendered::World(faults) => Failure::input(&faults.first()),
             NotRendered::Devices(error) => Failure::input(error),
         })?;
         let limits = on.iter().map(|on| on.limits);

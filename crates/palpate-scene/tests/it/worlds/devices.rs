@@ -100,9 +100,12 @@ fn own_axes_on_a_device_that_lacks_an_axis_of_the_world() {
     let model = oblique.with_axes(0, [true, true, false]);
     let faults = model.renderer("coupled").unwrap_err();
     assert!(
-        faults[0].to_string().contains("has none of its own axes"),
+        faults
+            .first()
+            .to_string()
+            .contains("has none of its own axes"),
         "{}",
-        faults[0]
+        faults.first()
     );
 }
 
@@ -200,7 +203,7 @@ fn a_device_says_whether_it_gives_a_torque() {
         assert!(made.is_ok(), "{method}: {made:?}");
     }
     let refused = coupled.renderer("god-object").unwrap_err();
-    assert!(refused[0].to_string().contains("turns"), "{refused:?}");
+    assert!(refused.first().to_string().contains("turns"), "{refused:?}");
     let felt = with(inertia).replace("method = \"coupled\"", coupling);
     let felt = WorldFile::parse("ball.toml", &felt).unwrap().scene;
     assert!(felt.renderer("virtual-coupling").is_err());

@@ -80,13 +80,21 @@ fn a_guard_is_read_and_its_faults_are_said() {
     let late = with("{ mode = \"limit\", late_samples = 9 }");
     let file = WorldFile::parse("ball.toml", &late).unwrap();
     let faults = file.scene.renderer("coupled").unwrap_err();
-    let error = file.at(faults[0].part, faults[0].field, faults[0].to_string());
+    let error = file.at(
+        faults.first().part,
+        faults.first().field,
+        faults.first().to_string(),
+    );
     assert!(error.to_string().contains("at most 8"), "{error}");
     assert_eq!(&late[error.span.clone()], "9");
     let late = with("{ mode = \"limit\", acceleration_m_per_s2 = 80, late_samples = 2 }");
     let file = WorldFile::parse("ball.toml", &late).unwrap();
     let faults = file.scene.renderer("coupled").unwrap_err();
-    let error = file.at(faults[0].part, faults[0].field, faults[0].to_string());
+    let error = file.at(
+        faults.first().part,
+        faults.first().field,
+        faults.first().to_string(),
+    );
     assert!(
         error
             .to_string()

@@ -11,7 +11,7 @@ use palpate_testbed::world::{
     WorldEvaluation, WorldIdeal, WorldPlant,
 };
 use palpate_world::{
-    EnergyLedger, Limited, Output, Quaternion, Sample, Vector, WorldError, WorldFault, WorldGuard,
+    EnergyLedger, Limited, Output, Quaternion, Sample, Vector, WorldErrors, WorldFault, WorldGuard,
     WorldRenderer, WorldState,
 };
 
@@ -126,8 +126,8 @@ impl Refusal {
 #[non_exhaustive]
 pub enum WorldBenchError {
     /// The world, its loop or its method cannot be rendered: at least one fault.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Rendering(Vec<WorldError>),
+    #[error(transparent)]
+    Rendering(#[from] WorldErrors),
     /// The scene has no ideal as a reference solution.
     #[error("the ideal: {0}")]
     Ideal(#[from] IdealError),

@@ -7,7 +7,7 @@ use super::params::LocalParams;
 use crate::engine::body::BodyNow;
 use crate::error::out_of_range;
 use crate::geometry::rigid::Vector3;
-use crate::{ContactLaw, Tool, Vector, WorldError, WorldField, WorldPart};
+use crate::{ContactLaw, Tool, Vector, WorldError, WorldErrors, WorldField, WorldPart};
 
 /// Input of the fast loop: bodies and contacts of a host at a tick. Created and checked by
 /// [`LocalRenderer::model`](super::LocalRenderer::model).
@@ -137,7 +137,7 @@ impl LocalModel {
         contacts: &[Option<LocalContact>],
         tools: &[Tool],
         params: &LocalParams,
-    ) -> Result<Self, Vec<WorldError>> {
+    ) -> Result<Self, WorldErrors> {
         let mut faults = Vec::new();
         if bodies.len() != params.bodies {
             let message = format!(
@@ -190,9 +190,7 @@ impl LocalModel {
                 ));
             }
         }
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        WorldErrors::check(faults)?;
         let mut slots = contacts.to_vec();
         slots.resize(params.contacts, None);
         for contact in slots.iter_mut().flatten() {

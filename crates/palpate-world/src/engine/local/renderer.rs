@@ -16,7 +16,7 @@ use crate::engine::image::{angular, linear};
 use crate::engine::integration::Meeting;
 use crate::engine::pairs::of_spheres;
 use crate::engine::state::BodyPortLedger;
-use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
+use crate::{CoupledParams, Sample, Tool, Vector, WorldErrors, WorldLoop};
 
 /// Renderer for contacts of tools by the local models of a low-rate simulator, in one fast loop. It is immutable: one
 /// renderer serves any number of [`LocalState`]s.
@@ -32,14 +32,11 @@ use crate::{CoupledParams, Sample, Tool, Vector, WorldError, WorldLoop};
 ///     LocalParams::new(0, 1),
 ///     WorldLoop::new(0.001),
 ///     CoupledParams::new(vec![[0.1; 3]]),
-/// )
-/// .map_err(|faults| faults[0].clone())?;
+/// )?;
 /// let mut state = renderer.start();
 /// // The host has found a floor 5 mm below the tool's centre.
 /// let floor = LocalContact::at_gap((0, [0.0; 3], 0.005), None, 0.0, [0.0, 0.0, 1.0], ContactLaw::spring(1000.0));
-/// let model = renderer
-///     .model(state.progress().tick, &[], &[Some(floor)])
-///     .map_err(|faults| faults[0].clone())?;
+/// let model = renderer.model(state.progress().tick, &[], &[Some(floor)])?;
 /// let first = renderer.step(&mut state, &Sample::at(&[[0.0; 3]]), Some(&model));
 /// assert_eq!(first.refusal, None);
 /// // Every millisecond, with no model or a new one.
@@ -66,7 +63,7 @@ impl LocalRenderer {
         params: LocalParams,
         loop_params: WorldLoop,
         coupled: CoupledParams,
-    ) -> Result<Self, Vec<WorldError>> {
+    ) -> Result<Self, WorldErrors> {
         let (radii, mut faults) = of_spheres(tools);
         faults.extend(params.faults(loop_params.period));
         Ok(Self {
@@ -103,7 +100,7 @@ impl LocalRenderer {
         tick: u64,
         bodies: &[BodyNow],
         contacts: &[Option<LocalContact>],
-    ) -> Result<LocalModel, Vec<WorldError>> {
+    ) -> Result<LocalModel, WorldErrors> {
         LocalModel::checked(tick, bodies, contacts, &self.tools, &self.params)
     }
 

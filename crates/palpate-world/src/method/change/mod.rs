@@ -7,7 +7,7 @@ use crate::contact::point::Touch;
 use crate::description::world::{Faults, is_unit};
 use crate::geometry::rigid::orientation;
 use crate::method::state::{BodyState, WorldState, body_state};
-use crate::{Motion, World, WorldError, WorldField, WorldPart, WorldRenderer};
+use crate::{Motion, World, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer};
 
 use migration::New;
 pub use succession::Succession;
@@ -41,7 +41,7 @@ impl WorldRenderer {
         &self,
         state: &WorldState,
         world: &World,
-    ) -> Result<(Self, WorldState), Vec<WorldError>> {
+    ) -> Result<(Self, WorldState), WorldErrors> {
         self.check_tools(world)?;
         let now = self.where_it_is(state, world);
         let mut renderer = Self::new(&now, self.loop_params.clone(), self.described.clone())?;
@@ -130,7 +130,7 @@ impl WorldRenderer {
     }
 
     /// Checks that the tools are unchanged.
-    fn check_tools(&self, world: &World) -> Result<(), Vec<WorldError>> {
+    fn check_tools(&self, world: &World) -> Result<(), WorldErrors> {
         let before = &self.world.tools;
         if world.tools.len() != before.len() {
             let message = format!(
@@ -138,12 +138,8 @@ impl WorldRenderer {
                 world.tools.len(),
                 before.len()
             );
-            return Err(vec![WorldError::new(
-                WorldPart::World,
-                WorldField::Tools,
-                "the world",
-                message,
-            )]);
+            let (part, field) = (WorldPart::World, WorldField::Tools);
+            return Err(WorldError::new(part, field, "the world", message).into());
         }
         let tools = world.tools.iter().zip(before).enumerate();
         let faults: Vec<_> = tools
@@ -174,11 +170,7 @@ impl WorldRenderer {
                 )
             })
             .collect();
-        if faults.is_empty() {
-            Ok(())
-        } else {
-            Err(faults)
-        }
+        WorldErrors::check(faults)
     }
 
     /// Returns `world` with the existing bodies in their current states.

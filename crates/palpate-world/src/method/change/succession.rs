@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::{Joint, Shape, WorldError, WorldRenderer};
+use crate::{Joint, Shape, WorldErrors, WorldRenderer};
 
 /// Index mapping from the elements of a world to those of its predecessor, created by [`WorldRenderer::migrate`] and
 /// used by [`WorldRenderer::resume`].
@@ -51,11 +51,7 @@ impl WorldRenderer {
     ///
     /// # Errors
     /// A different number, order, name or kind of tools.
-    pub fn migrate(
-        &mut self,
-        before: &Self,
-        is_kept: &[bool],
-    ) -> Result<Succession, Vec<WorldError>> {
+    pub fn migrate(&mut self, before: &Self, is_kept: &[bool]) -> Result<Succession, WorldErrors> {
         before.check_tools(&self.world)?;
         let from = self.origins(before, is_kept);
         for (joint, was) in from.joints.iter().enumerate() {
