@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Overview
+//!
 //! The program `palpate`: arguments in, files and reports out. The physics is in the libraries.
 //!
 //! The program is a library to shorten the build: cargo compiles a library as soon as the types of

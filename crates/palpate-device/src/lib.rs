@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Overview
+//!
 //! Driver interface of haptic devices: the [`Device`] trait and the [clocks](clock) of a loop.
 //!
 //! A driver depends on this crate alone. [`NullDevice`], [`ScriptedDevice`] and [`ReplayDevice`] are test devices;
@@ -29,10 +33,6 @@ pub use null::NullDevice;
 pub use pose::{Pose, Vector, Wrench};
 pub use replay::ReplayDevice;
 pub use scripted::{Script, ScriptedDevice, Step};
-
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct ReadmeExamples;
 
 /// A haptic device with one end-point: up to three axes with a force, up to three with a torque.
 ///

@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Overview
+//!
 //! Drivers of Haply's devices for a palpate loop. The module `emulator`, with the
 //! feature of that name, contains an emulator of each; [`prepared`] prepares devices for a loop.
 
@@ -6,7 +10,3 @@ pub mod emulator;
 pub mod inverse3;
 pub mod prepared;
 pub mod two_diy;
-
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct ReadmeExamples;

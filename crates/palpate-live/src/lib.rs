@@ -1,3 +1,8 @@
+// The example of the README needs the server.
+#![cfg_attr(feature = "server", doc = include_str!("../README.md"))]
+//!
+//! # Overview
+//!
 //! Live web page for a running loop.
 //!
 //! A [`Session`] runs one or two loops and receives their ticks. A [`Server`] serves a page that shows them, moves the
@@ -36,7 +41,3 @@ pub use world::{
     MAX_LANES, OpenLane, WorldEnded, WorldLane, WorldLaneEnd, WorldSession, WorldSessionEnd,
     WorldSetup,
 };
-
-#[cfg(all(doctest, feature = "server"))]
-#[doc = include_str!("../README.md")]
-struct ReadmeExamples;

@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Overview
+//!
 //! Recordings and tables of loops and renderings, recorded motions, and file output.
 //!
 //! - `recording`, with the feature of that name, writes and reads recordings of a device loop, tick by tick, while
@@ -24,7 +28,3 @@ pub mod trace;
 pub mod unit;
 
 pub use place::TextPosition;
-
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct ReadmeExamples;

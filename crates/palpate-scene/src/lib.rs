@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Overview
+//!
 //! Scene files: devices with their hands, bodies, contacts, a loop and a renderer. The module [`method`] has the methods
 //! by name, with their settings.
 //!
@@ -72,10 +76,6 @@ pub use palpate_testbed::actuator::ActuatorParams;
 pub use palpate_testbed::drivetrain::{Cogging, Transmission};
 
 use crate::method::{Basis, MethodName, Settings, SettingsError};
-
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct ReadmeExamples;
 
 /// A closed loop with one contact along one axis: everything but the choice of the method is fixed.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,3 +1,7 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Overview
+//!
 //! The sampled loop in simulation, studies of methods over many runs of it, and reports of runs and recordings.
 //!
 //! [`sim`] runs a scene in closed loop, on recorded motion or in a recorded hand; [`device_loop`] runs a loop on a
@@ -42,7 +46,3 @@ pub mod tune;
 pub mod world;
 
 pub use json::json;
-
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct ReadmeExamples;

@@ -1,5 +1,7 @@
 //! The table of settings in the documentation says what the methods' own files say.
 
+use std::{env, fs};
+
 use palpate_core::all_settings;
 use palpate_scene::method::{MethodName, Setting, SettingValues};
 
@@ -50,18 +52,27 @@ fn row(methods: &[&str], setting: &Setting) -> String {
     format!("| `methods.{of}.{key}` | {shared}{help}{values} | {default} |")
 }
 
+const PAGE: &str = "../../docs/reference/scene.md";
+
+/// `PALPATE_WRITE_DOCS=1` writes the table between its marks.
 #[test]
 fn the_documented_settings_are_those_of_the_methods() {
-    let documented = include_str!("../../../../../docs/reference/scene.md");
-    let expected = rows();
-    let said: Vec<_> = documented
-        .lines()
-        .filter(|line| line.starts_with("| `methods."))
-        .collect();
-    assert_eq!(
-        said,
-        expected,
-        "docs/reference/scene.md should have these rows:\n{}\n",
-        expected.join("\n")
+    let page = fs::read_to_string(PAGE).expect("the page is there");
+    let (before, rest) = page
+        .split_once("<!-- settings -->\n")
+        .expect("its first mark");
+    let (table, after) = rest.split_once("<!-- end -->\n").expect("its last mark");
+    let expected = format!(
+        "| key | meaning | default |\n|---|---|---|\n{}\n",
+        rows().join("\n")
     );
+    if env::var_os("PALPATE_WRITE_DOCS").is_some() {
+        let written = format!("{before}<!-- settings -->\n{expected}<!-- end -->\n{after}");
+        fs::write(PAGE, written).expect("the page can be written");
+    } else {
+        assert_eq!(
+            table, expected,
+            "PALPATE_WRITE_DOCS=1 writes the table of {PAGE}"
+        );
+    }
 }
