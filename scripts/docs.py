@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Checks the documentation: docs/SUMMARY.md lists every page once, every relative link resolves, tables have a header,
-code fences are closed, every page named in a source file exists, and the reference has every key of a scene, device or
-calibration file. `scripts/reference --check` compares the flags, reports and crates.
+code fences are closed, every page named in a source file exists, the reference has every key of a scene, device or
+calibration file, and the README's results are those of docs/results. `scripts/reference --check` compares the flags,
+reports and crates.
 
     scripts/docs.py            checks, and lists the faults
-    scripts/docs.py --words    counts the words of each page outside docs/results, and how many are generated
+    scripts/docs.py --words    counts the words of each page of docs
 """
 
 import re
@@ -14,6 +15,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 FENCE = re.compile(r"^(```|~~~).*?^\1", re.DOTALL | re.MULTILINE)
+CODE = re.compile(r"^ *(```|~~~).*?^ *\1", re.DOTALL | re.MULTILINE)
+MADE = re.compile(r"^<!-- .*?^<!-- end -->", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\(<?([^)>\s]+)>?(?:\s+\"[^\"]*\")?\)")
 NAMED = re.compile(r"\bdocs/[\w./-]+\.(?:md|svg|json|ipynb)\b")
 # Files that read the keys of scenes, linkages and calibrated devices, those of settings of methods, and their pages.
@@ -51,18 +54,46 @@ def faults_of_form(text: str) -> list[str]:
     return faults
 
 
+def words(text: str) -> int:
+    """Returns the number of tokens with a letter or digit."""
+    return len(re.findall(r"\S*\w\S*", text))
+
+
 def print_words() -> None:
-    """Prints the words of each page (tokens with a letter or digit) and those in generated pages and tables."""
-    pages = [page for page in sorted((ROOT / "docs").rglob("*.md")) if page.parent.name != "results"]
-    pages += [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "crates").glob("*/README.md"))]
-    sums = [0, 0]
-    for page in pages:
+    """Prints the words of each page of docs by hand (prose, tables, code examples) and those that a command writes."""
+    header = ("prose", "tables", "code", "generated")
+    rows: list[tuple[list[int], str]] = []
+    for page in sorted((ROOT / "docs").rglob("*.md")):
         text, name = page.read_text(), str(page.relative_to(ROOT))
-        made = text if name in GENERATED else "".join(re.findall(r"^<!-- .*?^<!-- end -->", text, re.DOTALL | re.MULTILINE))
-        counts = [len(re.findall(r"\S*\w\S*", part)) for part in (text, made)]
-        sums = [total + count for total, count in zip(sums, counts)]
-        print(f"{counts[0]:6} {counts[1]:6}  {name}")
-    print(f"{sums[0]:6} {sums[1]:6}  words, of which generated")
+        by_hand = "" if name in GENERATED else MADE.sub("", text)
+        without_code = CODE.sub("", by_hand)
+        prose = re.sub(r"^ *\|.*$", "", without_code, flags=re.MULTILINE)
+        counts = [words(part) for part in (prose, without_code, by_hand, text)]
+        rows.append(([after - before for before, after in zip([0, *counts], counts)], name))
+    rows.sort(key=lambda row: -row[0][0])
+    pages = list(rows)
+    for title, part in [("outside docs/results", False), ("docs/results", True), ("all", None)]:
+        of = [counts for counts, name in pages if part is None or name.startswith("docs/results/") == part]
+        rows.append(([sum(column) for column in zip(*of)], title))
+    print("".join(f"{title:>10}" for title in header))
+    for counts, name in rows:
+        print("".join(f"{count:10}" for count in counts) + f"  {name}")
+
+
+def faults_of_readme() -> list[str]:
+    """Returns the rows of the README's results that differ from those of docs/results/suite.md with more digits."""
+    names = {"HFCR": "hfcr", "coupled, delay modelled": "coupled"}
+    rows = {}
+    for page in ("README.md", "docs/results/suite.md"):
+        for line in re.findall(r"^\| .*\(.*\|$", (ROOT / page).read_text(), re.MULTILINE):
+            name, *cells = [cell.strip() for cell in line.strip("|").split("|")]
+            rows.setdefault((page, name), [float(cell.split()[0]) for cell in cells[:4] if re.match(r"[\d.]+ \(", cell)])
+    faults = []
+    for shown, name in names.items():
+        found, expected = rows.get(("README.md", shown)), rows.get(("docs/results/suite.md", name))
+        if not found or not expected or any(abs(a - b) > 0.51 for a, b in zip(found, expected, strict=True)):
+            faults.append(f"README.md: {shown} is {found}, but docs/results/suite.md has {expected} for {name}")
+    return faults
 
 
 def faults_of_keys() -> list[str]:
@@ -126,7 +157,7 @@ def main() -> int:
                 if not (ROOT / name).exists():
                     errors.append(f"{file.relative_to(ROOT)}: {name}: there is no such file")
 
-    errors += faults_of_keys()
+    errors += faults_of_keys() + faults_of_readme()
     for error in errors:
         print(error, file=sys.stderr)
     return 1 if errors else 0
