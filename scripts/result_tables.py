@@ -233,10 +233,9 @@ def pantograph(methods, figure):
     def write(report, *texts):
         lines = re.findall(r"^ *([a-z-]+(?: +[-.\w]+){3})$", texts[-1], re.MULTILINE)
         printed = {line.split()[0]: line.split()[2:] for line in lines}
-        of_method = by_method(report)
         rows = []
         for name in methods:
-            of = of_method[name]
+            of = by_method(report)[name]
             left = of.get("left_box_at_s")
             other = [cell if cell != "-" else "" for cell in printed.get(name, ["", ""])]
             rows.append([name, force_error(of) + (f", left at {left:.2f} s" if left else ""), error(of), *other])
@@ -264,9 +263,8 @@ def of_values(head, cell):
     """One row for each value of a sweep, one column for each of its methods."""
 
     def write(report):
-        names = [of["name"] for of in report["values"][0]["columns"]]
         rows = [[f"{value['value']:g}", *(cell(of) for of in value["columns"])] for value in report["values"]]
-        return table([head, *names], rows)
+        return table([head, *(of["name"] for of in report["values"][0]["columns"])], rows)
 
     return write
 
@@ -280,8 +278,8 @@ def scene_heights(titles, fre):
 
     def write(report):
         rows = []
-        named = titles or [scene["title"].split()[0] for scene in report["scenes"]]
-        for scene, title in zip(report["scenes"], named):
+        for place, scene in enumerate(report["scenes"]):
+            title = titles[place] if titles else scene["title"].split()[0]
             rows.append([title, *(over_heights(of["mean_force_error_percent"]) for of in scene["columns"])])
             if fre:
                 rows[-1] += [number(of["error_over_bound"], 2) for of in scene["columns"] if of["name"] in fre]
@@ -336,7 +334,6 @@ def one_seed(place):
 
 
 def damping_rules(report):
-    """E of the columns of a suite of one seed."""
     rows = [[of["name"], *(quantiles(delay) for delay in of["delays"][:2])] for of in report["columns"]]
     return table(["", "E, no delay", "E, one sample, modelled"], rows)
 
