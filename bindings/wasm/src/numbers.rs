@@ -59,14 +59,9 @@ fn of_world(mut scene: WorldScene) -> Result<String, String> {
         settings.coupling.stiffness.get_or_insert(stiffness);
         settings.coupling.mass.get_or_insert(mass);
     }
-    let actuator = scene.timing.actuator;
     let params = PlantParams {
         period: scene.timing.period,
-        delay: actuator.delay,
-        actuator: ActuatorParams {
-            lag: actuator.lag,
-            gain: actuator.gain,
-        },
+        actuator: scene.timing.actuator,
     };
     let evaluated = as_evaluated(&scene);
     let mut text = String::new();

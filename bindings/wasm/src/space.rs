@@ -109,8 +109,9 @@ impl Space {
         if !(1..=LANES).contains(&methods.len()) {
             return Err(format!("{} methods; allowed: 1 or 2", methods.len()));
         }
-        let actuator = scene.timing.actuator;
-        if actuator.delay != 0.0 || actuator.lag != 0.0 || actuator.gain != 1.0 {
+        let timing = &scene.timing;
+        let is_late = timing.delay != Delay::NONE || timing.actuator != ActuatorParams::default();
+        if is_late || !timing.imperfections.is_perfect() {
             return Err(
                 "this page supports only worlds without delay and lag, and with a gain of 1".into(),
             );
@@ -241,7 +242,6 @@ impl SpaceLane {
         })?;
         let params = PlantParams {
             period: scene.timing.period,
-            delay: 0.0,
             actuator: ActuatorParams::default(),
         };
         Ok(Self {

@@ -44,9 +44,14 @@ impl SeedFlags {
 
     /// Returns the seeds of a scene, the first one its own.
     pub fn of_scene(&self, scene: &Scene) -> Result<Range<u64>, Failure> {
-        let first = match (scene.random_seed(), self.start_range) {
+        self.of_random(scene.random_seed(), scene.timing.seed)
+    }
+
+    /// Returns the seeds from that of what is `random` on; without it from `seed` on, if the start varies.
+    fn of_random(&self, random: Option<u64>, seed: u64) -> Result<Range<u64>, Failure> {
+        let first = match (random, self.start_range) {
             (Some(first), _) => first,
-            (None, Some(_)) => scene.timing.seed,
+            (None, Some(_)) => seed,
             (None, None) => {
                 return Err(self.refused(
                     "nothing is random in this scene (no jitter, drop probability or sensor noise), so every seed gives \
@@ -84,20 +89,15 @@ impl SeedFlags {
         methods: &[&str],
         failure: impl Fn(WorldBenchError) -> Failure,
     ) -> Result<Seeded, Failure> {
-        let range = self.start_range.ok_or_else(|| {
-            self.refused(
-                "nothing is random in a world (no jitter, drops or sensor noise), so every seed gives the same \
-                 numbers; omit the flag, or vary the start with --start-range",
-            )
-        })?;
-        let seeds = self.range(0)?;
+        let seeds = self.of_random(world.random_seed(), world.timing.imperfections.seed)?;
+        let first = seeds.start;
         let progress = Progress::new(self.seeds as usize);
         progress.begin("seeds");
         let done = || progress.advance();
         let scores = over_seeds(seeds, done, |seed| {
-            scores_of_world(&world_with_seed(world, seed, range), methods)
+            scores_of_world(&world_with_seed(world, seed, self.start_range), methods)
         });
         let scores = scores.map_err(failure)?;
-        Ok(Seeded::new(0, self.start_range, methods, &scores))
+        Ok(Seeded::new(first, self.start_range, methods, &scores))
     }
 }

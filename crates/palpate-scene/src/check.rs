@@ -2,7 +2,6 @@
 
 use palpate_core::{Allowed, Hold, LARGEST_DELAY, Mass, Parameter, ParameterError, Range, Side};
 use palpate_testbed::drivetrain::Transmission;
-use palpate_testbed::hold::DelayedHold;
 
 use super::parameter::SceneParameter::{self as Of, Rendered};
 use super::{
@@ -15,9 +14,6 @@ const LARGEST: f64 = 1e12;
 
 /// Smallest number that has to be above 0, in whatever unit: the inverses of smaller ones may not be finite.
 const SMALLEST: f64 = 1e-20;
-
-/// Longest delay `[samples]`, that of the bench's hold.
-const MAX_DELAY: usize = DelayedHold::LONGEST_DELAY;
 
 /// A parameter of a scene outside its range.
 pub type SceneParameterError = ParameterError<Of>;
@@ -76,11 +72,6 @@ impl Scene {
         self.check_object(&mut faults);
         self.check_device(&mut faults);
         self.check_actuator(&mut faults);
-        let samples = self.delay.whole_samples();
-        if samples > MAX_DELAY {
-            let allowed = "at most 1024";
-            faults.not(Of::DelaySamples, samples as f64, allowed);
-        }
         // A bad period is the renderer's to refuse.
         if Range::Positive.contains(self.loop_params.period)
             && let Err(error) = self.check_timing()

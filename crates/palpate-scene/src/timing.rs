@@ -5,6 +5,7 @@ use std::ops::Range;
 use palpate_core::{Allowed, Hold, Parameter, ParameterError};
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::ActuatorParams;
+use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::schedule::{ActuationDelay, Schedule, ScheduleParameter, ScheduleParams};
 pub use palpate_testbed::schedule::{Dropped, Jitter, RateCollapse};
 use palpate_testbed::timeline::Timeline;
@@ -176,6 +177,59 @@ impl Timing {
         self.collapse
             .map_or(period, |collapse| period.min(collapse.period))
     }
+
+    /// The schedule of a loop with a `period` `[s]` and a `delay`.
+    #[must_use]
+    pub fn schedule(&self, period: f64, delay: Delay) -> ScheduleParams {
+        ScheduleParams {
+            period,
+            jitter: self.jitter,
+            dropped: self.dropped.clone(),
+            collapse: self.collapse,
+            delay: ActuationDelay {
+                samples: u32::try_from(delay.whole_samples()).unwrap_or(u32::MAX),
+                fraction: delay.fraction(),
+                seconds: delay.seconds(),
+                jitter: self.command_jitter,
+            },
+            seed: self.seed,
+        }
+    }
+
+    /// Checks the timing of a loop with a sound `period` `[s]` and a `delay`.
+    pub(super) fn check(&self, period: f64, delay: Delay) -> Result<(), SceneParameterError> {
+        let samples = delay.whole_samples();
+        if samples > DelayedHold::LONGEST_DELAY {
+            return Err(ParameterError {
+                parameter: SceneParameter::DelaySamples,
+                value: samples as f64,
+                allowed: Allowed::Words("at most 1024"),
+            });
+        }
+        let Err(error) = Schedule::new(self.schedule(period, delay)) else {
+            return Ok(());
+        };
+        let parameter = match error.name {
+            ScheduleParameter::Period => Parameter::Period.into(),
+            ScheduleParameter::CollapsePeriod => SceneParameter::CollapsePeriod,
+            ScheduleParameter::CollapseFrom => SceneParameter::CollapseFrom,
+            ScheduleParameter::CollapseUntil => SceneParameter::CollapseUntil,
+            ScheduleParameter::JitterBound => SceneParameter::Jitter,
+            ScheduleParameter::JitterDeviation => SceneParameter::JitterDeviation,
+            ScheduleParameter::DelayFraction => SceneParameter::DelayFraction,
+            ScheduleParameter::DelaySeconds => SceneParameter::DelaySeconds,
+            ScheduleParameter::CommandJitter => SceneParameter::CommandJitter,
+            ScheduleParameter::Dropped => match self.dropped {
+                Dropped::Listed(_) => SceneParameter::DroppedSamples,
+                Dropped::None | Dropped::Probability(_) => SceneParameter::DropProbability,
+            },
+        };
+        Err(ParameterError {
+            parameter,
+            value: error.value,
+            allowed: Allowed::Words(error.allowed),
+        })
+    }
 }
 
 impl Scene {
@@ -189,19 +243,7 @@ impl Scene {
     /// The schedule of the loop.
     #[must_use]
     pub fn schedule(&self) -> ScheduleParams {
-        ScheduleParams {
-            period: self.loop_params.period,
-            jitter: self.timing.jitter,
-            dropped: self.timing.dropped.clone(),
-            collapse: self.timing.collapse,
-            delay: ActuationDelay {
-                samples: u32::try_from(self.delay.whole_samples()).unwrap_or(u32::MAX),
-                fraction: self.delay.fraction(),
-                seconds: self.delay.seconds(),
-                jitter: self.timing.command_jitter,
-            },
-            seed: self.timing.seed,
-        }
+        self.timing.schedule(self.loop_params.period, self.delay)
     }
 
     /// Returns the samples and commands of the loop over `periods` periods.
@@ -218,13 +260,6 @@ impl Scene {
 
     /// Checks the timing of a loop whose period is sound.
     pub(super) fn check_timing(&self) -> Result<(), SceneParameterError> {
-        let refused = |parameter, value, allowed| {
-            Err(ParameterError {
-                parameter,
-                value,
-                allowed: Allowed::Words(allowed),
-            })
-        };
         let only_as_recorded = Timing {
             seed: self.timing.seed,
             ..Timing::default()
@@ -234,26 +269,12 @@ impl Scene {
             && (self.timing != only_as_recorded || fraction != 0.0)
         {
             let allowed = "omitted, like jitter and drops, in a loop that samples as recorded";
-            return refused(SceneParameter::DelayFraction, fraction, allowed);
+            return Err(ParameterError {
+                parameter: SceneParameter::DelayFraction,
+                value: fraction,
+                allowed: Allowed::Words(allowed),
+            });
         }
-        let Err(error) = Schedule::new(self.schedule()) else {
-            return Ok(());
-        };
-        let parameter = match error.name {
-            ScheduleParameter::Period => Parameter::Period.into(),
-            ScheduleParameter::CollapsePeriod => SceneParameter::CollapsePeriod,
-            ScheduleParameter::CollapseFrom => SceneParameter::CollapseFrom,
-            ScheduleParameter::CollapseUntil => SceneParameter::CollapseUntil,
-            ScheduleParameter::JitterBound => SceneParameter::Jitter,
-            ScheduleParameter::JitterDeviation => SceneParameter::JitterDeviation,
-            ScheduleParameter::DelayFraction => SceneParameter::DelayFraction,
-            ScheduleParameter::DelaySeconds => SceneParameter::DelaySeconds,
-            ScheduleParameter::CommandJitter => SceneParameter::CommandJitter,
-            ScheduleParameter::Dropped => match self.timing.dropped {
-                Dropped::Listed(_) => SceneParameter::DroppedSamples,
-                Dropped::None | Dropped::Probability(_) => SceneParameter::DropProbability,
-            },
-        };
-        refused(parameter, error.value, error.allowed)
+        self.timing.check(self.loop_params.period, self.delay)
     }
 }

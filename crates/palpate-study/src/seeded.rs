@@ -282,10 +282,15 @@ pub fn with_seed(scene: &Scene, seed: u64, range: Option<f64>) -> Scene {
     scene
 }
 
-/// Returns the world with the start of every device changed by up to `range` `[m]` along each of its axes, uniformly.
+/// Returns the world with a seed. `range` `[m]` changes the start of every device by up to that much along each of its
+/// axes, uniformly; the random values of the loop are those of the seed in any case.
 #[must_use]
-pub fn world_with_seed(world: &WorldScene, seed: u64, range: f64) -> WorldScene {
+pub fn world_with_seed(world: &WorldScene, seed: u64, range: Option<f64>) -> WorldScene {
     let mut world = world.clone();
+    world.timing.imperfections.seed = seed;
+    let Some(range) = range else {
+        return world;
+    };
     let mut chance = Chance::new(seed, STARTS);
     for device in &mut world.devices {
         let own = device

@@ -24,7 +24,7 @@ use std::vec::Vec;
 use palpate_core::Actuation;
 use palpate_scene::scene_bytes;
 use palpate_scene::world::{
-    Coupling, WorldActuator, WorldFile, WorldRender, WorldScene, WorldSettings, WorldTiming,
+    Coupling, WorldFile, WorldRender, WorldScene, WorldSettings, WorldTiming,
 };
 use palpate_world::{World, WorldError, WorldField, WorldGuard};
 
@@ -85,8 +85,7 @@ pub unsafe extern "C" fn palpate_scene_new(
     unsafe {
         make(scene, || {
             let params = SceneParams::at(params)?;
-            let actuator = WorldActuator {
-                delay: params.delay,
+            let actuator = ActuatorParams {
                 lag: params.lag,
                 gain: params.gain,
             };
@@ -108,7 +107,9 @@ pub unsafe extern "C" fn palpate_scene_new(
                 devices: Vec::new(),
                 timing: WorldTiming {
                     period: params.period,
+                    delay: Delay::Seconds(params.delay),
                     actuator,
+                    imperfections: Timing::default(),
                 },
                 render: WorldRender {
                     method: "coupled".to_owned(),

@@ -182,7 +182,7 @@ fn own_device(given: &Bound<'_, PyDict>, name: &str) -> PyResult<(WorldDevice, W
     let world = given.as_any().get_item("world")?;
     let world = world.cast::<PyWorld>()?.borrow();
     let scene = world.scene();
-    let actuator = scene.timing.actuator;
+    let actuator = scene.timing.actuator();
     if let [own] = scene.devices[..] {
         return Ok((own, actuator));
     }

@@ -122,14 +122,14 @@ fn open_as<C: Clock>(
     // The device position that corresponds to its tool's start position in the world.
     let (device, usual): (Box<dyn Device>, Option<Vector>) = match arguments.kind() {
         DeviceName::Simulated => {
-            let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone());
+            let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone());
             (Box::new(device.map_err(wrong)?), None)
         }
         DeviceName::Pointer => {
             let hand = hand
                 .cloned()
                 .unwrap_or_else(|| SpatialHand::at(own.position));
-            let actuator = &scene.timing.actuator;
+            let actuator = &scene.timing.actuator();
             let device = SpatialPointer::new(own, actuator, &hand, clock.clone());
             (Box::new(device.map_err(wrong)?), None)
         }

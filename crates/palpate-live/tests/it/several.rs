@@ -90,7 +90,7 @@ fn stage(methods: &[&'static str]) -> Stage {
             limits.recoveries.too_many = None;
             let devices = scene.devices.iter().zip(&hands).enumerate();
             let devices = devices.map(|(number, (own, hand))| {
-                let actuator = &scene.timing.actuator;
+                let actuator = &scene.timing.actuator();
                 let pointer = SpatialPointer::new(own, actuator, hand, clock).unwrap();
                 let is_out = if number == 1 {
                     Arc::clone(&is_out)

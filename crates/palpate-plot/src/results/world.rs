@@ -14,10 +14,8 @@ const MIN_SHARE: f64 = 0.01;
 #[must_use]
 pub fn world(scene: &WorldScene, bench: &WorldBench, runs: &[WorldRun]) -> Figure {
     let periods = Periods::new(scene, bench);
-    let samples = runs.first().map_or(0, |run| run.positions.len());
-    let x: Vec<f64> = (0..samples)
-        .map(|sample| sample as f64 * scene.timing.period)
-        .collect();
+    let x: Vec<f64> = bench.samples().iter().map(|sample| sample.time).collect();
+    let samples = x.len();
     let series = |name: &str, role, y: Vec<f64>| Series {
         name: name.into(),
         kind: Kind::Step,

@@ -181,7 +181,7 @@ fn it_is_the_loop_of_the_simulator_with_two_hands() {
         .unwrap();
     let clock = SteppedClock::new();
     let devices = pinch.devices.iter().map(|device| {
-        let device = SpatialDevice::new(device, &pinch.timing.actuator, clock.clone()).unwrap();
+        let device = SpatialDevice::new(device, &pinch.timing.actuator(), clock.clone()).unwrap();
         (device, wide())
     });
     let world = rendered(&pinch, "coupled");
@@ -446,7 +446,7 @@ fn generated_energy_of_the_world_stops_all_devices_with_one_event() {
     }
     let clock = SteppedClock::new();
     let devices = pinch.devices.iter().map(|device| {
-        let device = SpatialDevice::new(device, &pinch.timing.actuator, clock.clone()).unwrap();
+        let device = SpatialDevice::new(device, &pinch.timing.actuator(), clock.clone()).unwrap();
         (device, SafetyParams::default())
     });
     let world = rendered(&pinch, "basic");

@@ -60,7 +60,7 @@ fn rendered(scene: &WorldScene, method: &'static str) -> RenderedWorld {
 fn changing(scene: &WorldScene, method: &'static str) -> (Worlds, Loop) {
     let clock = SteppedClock::new();
     let own = &scene.devices[0];
-    let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone()).unwrap();
+    let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone()).unwrap();
     let (worlds, world) = changing_world(scene.world.clone(), rendered(scene, method));
     let control = ControlLoop::of_changing_world(device, clock, world, wide()).unwrap();
     (worlds, control)
@@ -79,7 +79,7 @@ fn ball(control: &Loop) -> (Vector, Vector, Vector) {
 fn the_same_world_again_changes_nothing_but_the_number() {
     for (method, delay) in [("basic", 0.0), ("coupled", 0.0), ("coupled", 0.003)] {
         let mut scene = scene();
-        scene.timing.actuator.delay = delay;
+        scene.timing.delay = palpate_scene::Delay::Seconds(delay);
         let (mut worlds, mut control) = changing(&scene, method);
         let (_, mut alone) = changing(&scene, method);
         let mut most = 0.0_f64;

@@ -8,6 +8,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use palpate_core::{Actuation, LARGEST_DELAY, Range};
+use palpate_testbed::actuator::ActuatorParams;
 use palpate_world::{
     Body, Contact, Free, IDENTITY, Motion, Shape, World, WorldField as Field, WorldPart,
 };
@@ -16,7 +17,7 @@ use toml::Spanned;
 use super::device::wrong_body_name;
 use super::place::WorldPlaces;
 use super::shape::{RawShape, unit};
-use super::{WorldActuator, WorldRender, WorldScene, WorldTiming};
+use super::{WorldRender, WorldScene, WorldTiming};
 use crate::delay::Delay;
 use crate::fault::{Places, SceneError, SceneErrors, Span};
 use crate::model::RawModel;
@@ -155,8 +156,7 @@ impl Reading {
     }
 
     fn scene(&mut self, raw: RawScene) -> WorldScene {
-        let delay = self.delay(&raw.r#loop);
-        let timing = self.timing(raw.r#loop, &raw.model, delay);
+        let timing = self.timing(raw.r#loop, &raw.model);
         let mut tools = Vec::new();
         let mut devices = Vec::new();
         for (index, device) in raw.device.into_iter().enumerate() {
@@ -187,7 +187,7 @@ impl Reading {
             contacts,
         };
         self.check(&world);
-        let known = self.known_actuation(delay, &timing);
+        let known = self.known_actuation(&timing);
         let render = self.render(raw.render, raw.model, &devices, known);
         let render = WorldRender {
             settings: self.settings(&raw.methods),
@@ -206,19 +206,8 @@ impl Reading {
         }
     }
 
-    /// Returns the delay of the loop.
-    fn delay(&mut self, raw: &RawLoop) -> Delay {
-        match raw.delay(&mut Places::<SceneParameter>::default()) {
-            Ok(delay) => delay,
-            Err((span, message)) => {
-                self.fault(span, message);
-                Delay::NONE
-            }
-        }
-    }
-
-    /// Returns period and actuators of the loop. Records the first key of an actuation, the model's or the loop's.
-    fn timing(&mut self, raw: RawLoop, model: &RawModel, delay: Delay) -> WorldTiming {
+    /// Returns the timing of the loop. Records the first key of an actuation, the model's or the loop's.
+    fn timing(&mut self, raw: RawLoop, model: &RawModel) -> WorldTiming {
         self.places
             .take(WorldPart::Loop, Field::Period, raw.period_s.clone());
         let period = self.number("period_s", raw.period_s.clone(), Range::Positive);
@@ -236,40 +225,35 @@ impl Reading {
             self.places
                 .take(WorldPart::Loop, Field::Actuation, delay.clone());
         }
-        let lag = raw
-            .lag_s
-            .map_or(0.0, |lag| self.number("lag_s", lag, Range::NotNegative));
-        let gain = raw
-            .gain
-            .map_or(1.0, |gain| self.number("gain", gain, Range::Positive));
-        if let Some(delay) = raw.delay_s {
-            self.number("delay_s", delay, Range::NotNegative);
-        }
-        if let Some(fraction) = raw.delay_fraction
-            && !(0.0..1.0).contains(fraction.get_ref())
+        let lag = raw.lag_s.clone();
+        let lag = lag.map_or(0.0, |lag| self.number("lag_s", lag, Range::NotNegative));
+        let gain = raw.gain.clone();
+        let gain = gain.map_or(1.0, |gain| self.number("gain", gain, Range::Positive));
+        let mut places = Places::<SceneParameter>::default();
+        let (delay, imperfections) = raw.timing(&mut places).unwrap_or_else(|(span, message)| {
+            self.fault(span, message);
+            Default::default()
+        });
+        if Range::Positive.contains(period)
+            && let Err(error) = imperfections.check(period, delay)
+            && let Some(span) = places.0.get(&error.parameter)
         {
-            let message = format!(
-                "delay_fraction is {} periods, but must be from 0 to below 1",
-                fraction.get_ref()
-            );
-            self.fault(fraction.span(), message);
+            self.fault(span.clone(), error.to_string());
         }
         WorldTiming {
             period,
-            actuator: WorldActuator {
-                delay: delay.time(period),
-                lag,
-                gain,
-            },
+            delay,
+            actuator: ActuatorParams { gain, lag },
+            imperfections,
         }
     }
 
     /// Returns the model of the true actuators: without a fraction of a period, which no model knows, and with at most
     /// the longest delay that a renderer models.
-    fn known_actuation(&mut self, delay: Delay, timing: &WorldTiming) -> Actuation<f64> {
-        let known = match delay {
+    fn known_actuation(&mut self, timing: &WorldTiming) -> Actuation<f64> {
+        let known = match timing.delay {
             Delay::Periods { samples, .. } => Delay::samples(samples),
-            Delay::Seconds(_) => delay,
+            delay @ Delay::Seconds(_) => delay,
         };
         let (known, longest) = (
             known.time(timing.period),

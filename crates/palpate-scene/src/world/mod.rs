@@ -24,7 +24,13 @@ pub use rendering::WorldSettings;
 use std::collections::HashMap;
 
 use palpate_core::Actuation;
+use palpate_testbed::InvalidParameter;
+use palpate_testbed::actuator::ActuatorParams;
+use palpate_testbed::timeline::Timeline;
 use palpate_world::{Quaternion, Vector, World, WorldGuard};
+
+use crate::delay::Delay;
+use crate::timing::Timing;
 
 /// A closed loop of devices and a world, to simulate or to render.
 #[derive(Clone, Debug, PartialEq)]
@@ -151,12 +157,45 @@ pub struct Tremor {
 }
 
 /// Sampling of the loop, and timing of its commands.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct WorldTiming {
-    /// Time between two samples, above 0 `[s]`.
+    /// Nominal time between two samples, above 0 `[s]`.
     pub period: f64,
-    /// Models of the actuators.
-    pub actuator: WorldActuator,
+    /// Delay from a sample to the start of its command.
+    pub delay: Delay,
+    /// Lag and gain of the actuators.
+    pub actuator: ActuatorParams,
+    /// Imperfections of the loop besides.
+    pub imperfections: Timing,
+}
+
+impl WorldTiming {
+    /// The actuators of all devices, with the delay.
+    #[must_use]
+    pub fn actuator(&self) -> WorldActuator {
+        WorldActuator {
+            delay: self.delay.time(self.period),
+            lag: self.actuator.lag,
+            gain: self.actuator.gain,
+        }
+    }
+
+    /// The samples and commands of the loop over a number of `periods`.
+    ///
+    /// # Errors
+    /// There is no period, or a number is out of its range.
+    pub fn timeline(&self, periods: usize) -> Result<Timeline, InvalidParameter> {
+        Timeline::new(self.imperfections.schedule(self.period, self.delay), periods)
+    }
+}
+
+impl WorldScene {
+    /// Seed of the random numbers of the loop; none if nothing is random.
+    #[must_use]
+    pub fn random_seed(&self) -> Option<u64> {
+        let timing = &self.timing.imperfections;
+        timing.is_random().then_some(timing.seed)
+    }
 }
 
 /// Delay, lag and gain of the actuators of all devices.

@@ -8,7 +8,7 @@ use palpate_scene::world::WorldScene;
 use palpate_testbed::world::WorldIdeal;
 use palpate_world::{Tool, Vector};
 
-/// The periods of a run: the intervals of the ideal's grid that begin in each.
+/// The times between the samples of a run: the intervals of the ideal's grid that begin in each.
 pub struct Periods<'a> {
     scene: &'a WorldScene,
     ideal: &'a WorldIdeal,
@@ -19,18 +19,20 @@ impl<'a> Periods<'a> {
     /// Finds the periods of the loop in the ideal's grid.
     #[must_use]
     pub fn new(scene: &'a WorldScene, bench: &'a WorldBench) -> Self {
-        let (ideal, period) = (bench.ideal(), scene.timing.period);
+        let (ideal, samples) = (bench.ideal(), bench.samples());
         let grid = &ideal.grid;
-        let mut intervals = Vec::new();
+        // Edges are at samples only to rounding.
+        let near = 1e-6 * grid.period();
+        let edges: Vec<f64> = (0..grid.intervals()).map(|at| grid.edge(at)).collect();
+        let first_from = |time: f64| edges.partition_point(|edge| *edge < time - near);
+        let ends = samples.iter().skip(1).map(|next| first_from(next.time));
         let mut first = 0;
-        while first < grid.intervals() {
-            // Edges are multiples of the period only to rounding.
-            let end = (intervals.len() as f64 + 1.0 - 1e-6) * period;
-            let later = (first..grid.intervals()).find(|interval| grid.edge(*interval) >= end);
-            let after = later.unwrap_or(grid.intervals());
-            intervals.push(first..after);
-            first = after.max(first + 1);
-        }
+        let intervals = ends.chain([grid.intervals()]).map(|end| {
+            let before = first;
+            first = end;
+            before..end
+        });
+        let intervals = intervals.collect();
         Self {
             scene,
             ideal,
@@ -156,7 +158,7 @@ pub fn write(
     let periods = Periods::new(scene, bench);
     for run in runs {
         for (sample, positions) in run.positions.iter().enumerate() {
-            let time = sample as f64 * scene.timing.period;
+            let time = bench.samples()[sample].time;
             for (device, (tool, position)) in scene.world.tools.iter().zip(positions).enumerate() {
                 let forces = &run.commanded[sample][device];
                 let mut row = vec![run.method.clone(), tool.name.clone(), time.to_string()];

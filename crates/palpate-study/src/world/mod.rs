@@ -272,7 +272,7 @@ impl WorldReport {
             format: FORMAT,
             title: scene.title.clone(),
             period_s: scene.timing.period,
-            delay_s: scene.timing.actuator.delay,
+            delay_s: scene.timing.actuator().delay,
             lag_s: scene.timing.actuator.lag,
             gain: scene.timing.actuator.gain,
             window_s: grid.edge(grid.intervals()),

@@ -6,7 +6,8 @@ use std::ops::Range;
 use crate::sim::world::{WorldBench, WorldBenchError, as_rendered};
 use comfy_table::{Cell, CellAlignment};
 use palpate_scene::world::WorldSettings;
-use palpate_testbed::world::PlantParams;
+use palpate_testbed::schedule::{ActuationDelay, ScheduleParams};
+use palpate_testbed::timeline::Timeline;
 use palpate_testbed::world::random_worlds::{RandomHands, RandomWorld, random_worlds};
 use palpate_world::{CoupledParams, WorldLoop, WorldMethod, WorldRenderer};
 use rayon::prelude::*;
@@ -283,11 +284,16 @@ fn errors(
     let devices = scene.devices.len();
     let scene_masses = scene.devices[0].mass;
     let delay_s = delay_samples as f64 * period;
-    let params = PlantParams {
-        delay: delay_s,
-        ..PlantParams::perfect(period)
+    let schedule = ScheduleParams {
+        delay: ActuationDelay {
+            samples: u32::try_from(delay_samples).unwrap_or(u32::MAX),
+            ..ActuationDelay::default()
+        },
+        ..ScheduleParams::perfect(period)
     };
-    let bench = WorldBench::of(scene, params, world.ideal.clone());
+    let timeline = Timeline::new(schedule, world.ideal.grid.intervals());
+    let timeline = timeline.map_err(WorldBenchError::of_loop)?;
+    let bench = WorldBench::of(scene, timeline, world.ideal.clone());
     let loop_params = WorldLoop::new(period).with_actuation(palpate_core::Actuation {
         delay: delay_s,
         ..palpate_core::Actuation::default()

@@ -3,7 +3,9 @@
 
 use palpate_study::sim::world::{WorldBench, as_rendered};
 use palpate_testbed::world::random_worlds::{RandomHands, RandomWorld, random_worlds};
-use palpate_testbed::world::{Decisive, PlantParams};
+use palpate_testbed::schedule::{ActuationDelay, ScheduleParams};
+use palpate_testbed::timeline::Timeline;
+use palpate_testbed::world::Decisive;
 use palpate_world::{CoupledParams, WorldLoop, WorldRenderer};
 use rayon::prelude::*;
 
@@ -23,16 +25,20 @@ fn evaluated(world: &RandomWorld, condition: Condition) -> Option<(Decisive, f64
     let mut scene = world.scene.clone();
     scene.devices[0].quantum = [quantum; 3];
     let delay = condition.delay_samples as f64 * period;
-    let params = PlantParams {
-        delay,
-        ..PlantParams::perfect(period)
+    let schedule = ScheduleParams {
+        delay: ActuationDelay {
+            seconds: delay,
+            ..ActuationDelay::default()
+        },
+        ..ScheduleParams::perfect(period)
     };
+    let timeline = Timeline::new(schedule, world.ideal.grid.intervals()).unwrap();
     let loop_params = WorldLoop::new(period).with_actuation(palpate_core::Actuation {
         delay,
         ..palpate_core::Actuation::default()
     });
     let rendered = as_rendered(&scene);
-    let bench = WorldBench::of(scene, params, world.ideal.clone());
+    let bench = WorldBench::of(scene, timeline, world.ideal.clone());
     let model = CoupledParams::new(vec![world.model_mass]).with_encoder_quantum(quantum);
     let renderer = WorldRenderer::new(&rendered, loop_params, model).unwrap();
     let run = bench.run("coupled", &renderer).unwrap();

@@ -33,4 +33,5 @@ mod suite;
 mod tune;
 mod two_axes;
 mod vectors;
+mod world_timing;
 mod worlds;

@@ -2,9 +2,9 @@
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // what was measured
 
-use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
+use palpate_scene::world::{WorldFile, usual_guard};
 use palpate_study::sim::world::{WorldBench, WorldRun, as_evaluated};
-use palpate_testbed::world::{LedPath, PlantParams};
+use palpate_testbed::world::LedPath;
 use palpate_world::WorldGuard;
 
 /// A tool that a constant force presses into a groove of two planes: nothing about the device is unknown but what
@@ -44,16 +44,6 @@ fn runs<const N: usize>(source: &str, methods: [&str; N]) -> ([WorldRun; N], Wor
         bench.run(method, &renderer).unwrap()
     };
     (methods.map(run), bench)
-}
-
-/// The loop of a scene without an actuator of its own.
-fn plant(scene: &WorldScene) -> PlantParams {
-    let actuator = scene.timing.actuator;
-    assert_eq!((actuator.lag, actuator.gain), (0.0, 1.0));
-    PlantParams {
-        delay: actuator.delay,
-        ..PlantParams::perfect(scene.timing.period)
-    }
 }
 
 /// Largest E with true model masses and alternating stick and slip on a light body `[%]`. Of nine starts that differ by
@@ -225,7 +215,9 @@ fn in_the_committed_worlds_coupled_is_near_the_floor_and_at_it_with_the_masses_k
         let known = WorldFile::parse(&name, &known.join("\n")).unwrap().scene;
         let renderer = known.renderer("coupled").unwrap();
         // The ideal has neither sensor nor model mass.
-        let alone = WorldBench::of(as_evaluated(&known), plant(&known), bench.ideal().clone());
+        let ideal = bench.ideal().clone();
+        let timeline = known.timing.timeline(ideal.grid.intervals()).unwrap();
+        let alone = WorldBench::of(as_evaluated(&known), timeline, ideal);
         let known = alone.run("coupled", &renderer).unwrap();
         println!(
             "{name}: E basic {:.1} %, coupled told 1.5 times the mass {:.3} %, told the mass {:.3} %",

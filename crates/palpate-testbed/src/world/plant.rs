@@ -1,7 +1,5 @@
 //! Plant of a sampled loop: the devices in their hands, between measurement and actuation.
 
-use std::collections::VecDeque;
-
 use super::contact::WorldError;
 use super::held_axis::HeldAxis;
 use super::held_linkage::HeldLinkage;
@@ -12,20 +10,13 @@ use crate::InvalidParameter;
 use crate::actuator::{Actuator, ActuatorParams};
 use crate::device::DevicePlant;
 use crate::error::positive;
-use crate::grid::Grid;
-use crate::hold::DelayedHold;
 use crate::measure::Sampler;
 
-/// A delay within this share of a period of a whole number of periods is that number.
-const WHOLE: f64 = 1e-9;
-
-/// Timing of a loop, and its actuators.
+/// Period of a loop, and its actuators.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlantParams {
     /// Period T, finite and above 0 `[s]`.
     pub period: f64,
-    /// Time from a sample to the start of its force, 0 to 1024 periods, also fractional `[s]`.
-    pub delay: f64,
     /// Gain and lag of every axis.
     pub actuator: ActuatorParams,
 }
@@ -36,7 +27,6 @@ impl PlantParams {
     pub fn perfect(period: f64) -> Self {
         Self {
             period,
-            delay: 0.0,
             actuator: ActuatorParams::default(),
         }
     }
@@ -45,7 +35,8 @@ impl PlantParams {
 /// The devices of a scene in a sampled loop.
 ///
 /// At each sample, call [`measure`](Self::measure) for the sensor values, compute a force on each tool, and
-/// [`hold`](Self::hold) it. Each axis moves exactly under the force that its actuator delivers.
+/// [`hold`](Self::hold) it. Each axis moves exactly under the force that its actuator delivers. A loop with another
+/// [timeline](crate::timeline::Timeline) calls [`advance`](Self::advance) for each of its stretches.
 ///
 /// ```
 /// use palpate_testbed::world::{PlantParams, Tool, WorldDevice, WorldHand, WorldPlant, WorldScene};
@@ -75,13 +66,8 @@ impl PlantParams {
 /// ```
 #[derive(Debug, Clone)]
 pub struct WorldPlant {
-    params: PlantParams,
-    /// Whole periods and the rest of the delay `[s]`.
-    delay: (usize, f64),
+    period: f64,
     devices: Vec<PlantDevice>,
-    /// Pending commands, and the active one.
-    under_way: VecDeque<Vec<[Vector; 2]>>,
-    acting: Vec<[Vector; 2]>,
     samples: usize,
     durations: Vec<f64>,
 }
@@ -135,7 +121,6 @@ impl WorldPlant {
         };
         positive("period", params.period, "finite and above 0 s").map_err(of_loop)?;
         let actuator = Actuator::new(params.actuator).map_err(of_loop)?;
-        let delay = whole_and_rest(&params).map_err(of_loop)?;
         let mut devices = Vec::new();
         for (number, device) in scene.devices.iter().enumerate() {
             let name = format!("devices[{number}]");
@@ -157,28 +142,18 @@ impl WorldPlant {
                 angular_impulses: Vec::new(),
             });
         }
-        let none = vec![[[0.0; 3]; 2]; devices.len()];
         Ok(Self {
-            params,
-            delay,
-            under_way: (0..delay.0).map(|_| none.clone()).collect(),
-            acting: none,
+            period: params.period,
             devices,
             samples: 0,
             durations: Vec::new(),
         })
     }
 
-    /// Period, delay and actuators.
-    #[must_use]
-    pub fn params(&self) -> PlantParams {
-        self.params
-    }
-
-    /// Time of this sample `[s]`.
+    /// Time of this sample of a loop that holds every force for a period `[s]`.
     #[must_use]
     pub fn time(&self) -> f64 {
-        self.samples as f64 * self.params.period
+        self.samples as f64 * self.period
     }
 
     /// Returns the measured positions, rounded along each of a device's axes to its quantum `[m]`.
@@ -238,8 +213,8 @@ impl WorldPlant {
             .collect()
     }
 
-    /// Applies the force on each tool `[N]` computed from this sample, one for each device, and advances to the next
-    /// sample. A missing force counts as 0 N, an excess one is ignored.
+    /// Applies the force on each tool `[N]` computed from this sample, one for each device, and advances by a period.
+    /// A missing force counts as 0 N, an excess one is ignored.
     pub fn hold(&mut self, forces: &[Vector]) {
         self.hold_wrenches(forces, &[]);
     }
@@ -247,24 +222,13 @@ impl WorldPlant {
     /// Applies forces as [`hold`](Self::hold) does, and a torque on each tool about its mass centre `[N m]`; a device
     /// that does not turn ignores it.
     pub fn hold_wrenches(&mut self, forces: &[Vector], torques: &[Vector]) {
-        let of = |list: &[Vector], number: usize| list.get(number).copied().unwrap_or_default();
-        let devices = 0..self.devices.len();
-        let commands = devices.map(|number| [of(forces, number), of(torques, number)]);
-        self.under_way.push_back(commands.collect());
-        let rest = self.delay.1;
-        if rest > 0.0 {
-            if self.samples == 0 {
-                self.begin_interval();
-            }
-            self.advance(rest);
-        }
-        self.acting = self.under_way.pop_front().unwrap_or_default();
         self.begin_interval();
-        self.advance(self.params.period - rest);
+        self.advance(forces, torques, self.period);
         self.samples += 1;
     }
 
-    fn begin_interval(&mut self) {
+    /// Begins an interval of [`delivered`](Self::delivered).
+    pub fn begin_interval(&mut self) {
         self.durations.push(0.0);
         for device in &mut self.devices {
             device.impulses.push([0.0; 3]);
@@ -272,12 +236,16 @@ impl WorldPlant {
         }
     }
 
-    fn advance(&mut self, duration: f64) {
-        for (device, [force, torque]) in self.devices.iter_mut().zip(&self.acting) {
+    /// Advances by a `duration` `[s]` under forces `[N]` and torques `[N m]`, as
+    /// [`hold_wrenches`](Self::hold_wrenches) does, within the interval that has begun.
+    pub fn advance(&mut self, forces: &[Vector], torques: &[Vector], duration: f64) {
+        let of = |list: &[Vector], number: usize| list.get(number).copied().unwrap_or_default();
+        for (number, device) in self.devices.iter_mut().enumerate() {
+            let (force, torque) = (of(forces, number), of(torques, number));
             if let Some(turning) = &mut device.turning
                 && let Some(angular_impulse) = device.angular_impulses.last_mut()
             {
-                let delivered = turning.advance(*torque, duration);
+                let delivered = turning.advance(torque, duration);
                 for (sum, part) in angular_impulse.iter_mut().zip(delivered) {
                     *sum += part;
                 }
@@ -286,13 +254,13 @@ impl WorldPlant {
                 continue;
             };
             if let (Some(linkage), Some(table)) = (&mut device.linkage, &device.device.mass_table) {
-                let delivered = linkage.advance((&device.device, table), *force, duration);
+                let delivered = linkage.advance((&device.device, table), force, duration);
                 for (sum, part) in impulse.iter_mut().zip(delivered) {
                     *sum += part;
                 }
                 continue;
             }
-            let force = device.device.own(Vec3(*force)).0;
+            let force = device.device.own(Vec3(force)).0;
             for axis in 0..3 {
                 if device.axes[axis].stays() {
                     continue;
@@ -318,23 +286,7 @@ impl WorldPlant {
         }
     }
 
-    /// Returns the grid of a window of `periods` periods; its edges are the starts of new commands.
-    ///
-    /// # Errors
-    ///
-    /// The delay has a fraction of a period, and there is no period.
-    pub fn grid(&self, periods: usize) -> Result<Grid, InvalidParameter> {
-        let (period, rest) = (self.params.period, self.delay.1);
-        if rest == 0.0 {
-            return Ok(Grid::even(0.0, period, periods));
-        }
-        let mut edges = vec![0.0];
-        edges.extend((0..periods).map(|sample| sample as f64 * period + rest));
-        edges.push(periods as f64 * period);
-        Grid::cut_at(edges, period)
-    }
-
-    /// Mean force on the tool of a device `[N]` over each interval of [`grid`](Self::grid) up to now.
+    /// Mean force on the tool of a device `[N]` over each interval up to now.
     ///
     /// # Panics
     ///
@@ -365,34 +317,6 @@ impl WorldPlant {
             .map(|(impulse, duration)| impulse.map(|j| j / duration))
             .collect()
     }
-}
-
-/// The delay in whole periods and the rest `[s]`.
-fn whole_and_rest(params: &PlantParams) -> Result<(usize, f64), InvalidParameter> {
-    let periods = params.delay / params.period;
-    InvalidParameter::unless(
-        (0.0..=DelayedHold::LONGEST_DELAY as f64).contains(&periods),
-        "delay",
-        params.delay,
-        "0 to 1024 periods [s]",
-    )?;
-    let near = periods.round();
-    let whole = if (periods - near).abs() < WHOLE {
-        near
-    } else {
-        periods.floor()
-    };
-    let rest = if whole == near && (periods - near).abs() < WHOLE {
-        0.0
-    } else {
-        params.delay - whole * params.period
-    };
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 0 and 1024"
-    )]
-    Ok((whole as usize, rest))
 }
 
 #[cfg(test)]
@@ -453,7 +377,6 @@ mod tests {
     #[test]
     fn what_is_forgotten_changes_nothing_of_what_comes() {
         let actuated = PlantParams {
-            delay: 0.003,
             actuator: ActuatorParams {
                 lag: 0.002,
                 gain: 0.9,
@@ -509,36 +432,18 @@ mod tests {
     }
 
     #[test]
-    fn commands_act_after_the_delay_on_the_grid_that_it_cuts() {
-        let commands = [3.0, -1.0, 2.0, 5.0];
-        for (delay, means) in [
-            (0.0, vec![3.0, -1.0, 2.0, 5.0]),
-            (0.02, vec![0.0, 0.0, 3.0, -1.0]),
-            (0.004, vec![0.0, 3.0, -1.0, 2.0, 5.0]),
-            (0.013, vec![0.0, 0.0, 3.0, -1.0, 2.0]),
-        ] {
-            let params = PlantParams {
-                delay,
-                ..PlantParams::perfect(0.01)
-            };
-            let mut plant = WorldPlant::new(&scene(), params).unwrap();
-            for command in commands {
-                plant.hold(&[[command, 0.0, 0.0]]);
-            }
-            let grid = plant.grid(4).unwrap();
-            let delivered = plant.delivered(0);
-            assert_eq!(delivered.len(), grid.intervals(), "{delay} s");
-            assert!((grid.end() - plant.time()).abs() < 1e-15);
-            for (given, mean) in delivered.iter().zip(&means) {
-                assert!((given[0] - mean).abs() < 1e-12, "{delay} s: {delivered:?}");
-            }
-        }
-        let params = PlantParams {
-            delay: 0.004,
-            ..PlantParams::perfect(0.01)
-        };
-        let plant = WorldPlant::new(&scene(), params).unwrap();
-        assert!((plant.grid(4).unwrap().edge(2) - 0.014).abs() < 1e-15);
+    fn an_interval_is_the_mean_over_its_stretches() {
+        let mut plant = WorldPlant::new(&scene(), PlantParams::perfect(0.01)).unwrap();
+        let mut whole = plant.clone();
+        plant.begin_interval();
+        plant.advance(&[[3.0, 0.0, 0.0]], &[], 0.004);
+        plant.advance(&[], &[], 0.012);
+        plant.begin_interval();
+        plant.advance(&[[2.0, 0.0, 0.0]], &[], 0.01);
+        let means: Vec<f64> = plant.delivered(0).iter().map(|mean| mean[0]).collect();
+        assert!((means[0] - 0.75).abs() < 1e-12 && (means[1] - 2.0).abs() < 1e-12);
+        whole.hold(&[[0.0; 3]]);
+        assert_ne!(plant.positions(), whole.positions());
     }
 
     #[test]
@@ -561,13 +466,13 @@ mod tests {
     fn what_is_wrong_is_named() {
         let refused = |params| WorldPlant::new(&scene(), params).unwrap_err().to_string();
         let message = refused(PlantParams {
-            delay: -0.1,
+            actuator: ActuatorParams {
+                gain: 1.0,
+                lag: -0.1,
+            },
             ..PlantParams::perfect(0.01)
         });
-        assert_eq!(
-            message,
-            "loop.delay = -0.1 is not allowed; allowed: 0 to 1024 periods [s]"
-        );
+        assert!(message.starts_with("loop.lag = -0.1"), "{message}");
         assert!(refused(PlantParams::perfect(0.0)).contains("loop.period = 0"));
         let mut scene = scene();
         let hand = &mut scene.devices[0].hand;

@@ -144,7 +144,7 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
     for method in &methods {
         scene.rendering(*method).map_err(Failure::input)?;
     }
-    tell_what_a_loop_has_not(&scene);
+    tell_what_a_loop_has_not(&scene.timing, scene.delay);
     if arguments.device.kind() == DeviceName::Pointer
         && (scene.device.grip().is_some()
             || scene.device.pantograph().is_some()

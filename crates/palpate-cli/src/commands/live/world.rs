@@ -11,7 +11,9 @@ use palpate_study::device_loop::{NotRendered, lacking_axes};
 use palpate_study::sim::device::SpatialHand;
 
 use super::super::run::world::{known_flags, on_devices};
-use super::super::run::{Asked, guarding, outcome, request};
+use super::super::run::{
+    Asked, guarding, outcome, request, tell_what_a_loop_has_not,
+};
 use super::serving::{listen, serve};
 use super::{LiveArguments, add};
 use crate::devices::{DeviceName, kinds, names, open_for_world};
@@ -32,6 +34,7 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
     let kinds = kinds(&arguments.device, &arguments.given, scene)?;
     let methods = check_methods(arguments, file, &kinds)?;
     let period = scene.timing.period;
+    tell_what_a_loop_has_not(&scene.timing.imperfections, scene.timing.delay);
     let listening = listen(arguments)?;
     let spin = duration("--spin", arguments.realtime.spin)?;
     let clock = MonotonicClock::new().with_spin(spin);

@@ -13,7 +13,7 @@ use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, SetupError, metadata};
 use palpate_scene::method::MethodName;
-use palpate_scene::{ContactFile, Scene, SceneFile, Timing};
+use palpate_scene::{ContactFile, Delay, Scene, SceneFile, Timing};
 use palpate_study::recording::put_scene;
 
 pub use arguments::{RealtimeArguments, RunArguments, SafetyArguments, SessionArguments};
@@ -63,7 +63,7 @@ pub fn run_session(
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
     scene.method = method;
-    tell_what_a_loop_has_not(&scene);
+    tell_what_a_loop_has_not(&scene.timing, scene.delay);
     let session = Session {
         scene: &scene,
         path,
@@ -84,8 +84,8 @@ pub fn run_session(
 }
 
 /// Reports properties of a scene's loop that a real-time loop lacks.
-pub fn tell_what_a_loop_has_not(scene: &Scene) {
-    if scene.timing != Timing::default() || scene.delay.fraction() != 0.0 {
+pub fn tell_what_a_loop_has_not(timing: &Timing, delay: Delay) {
+    if *timing != Timing::default() || delay.fraction() != 0.0 {
         tell(
             "warning: the scene's jitter, drops and delay fraction are for simulation; this loop has its own",
         );

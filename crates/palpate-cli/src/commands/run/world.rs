@@ -10,7 +10,10 @@ use palpate_scene::world::WorldFile;
 use palpate_study::device_loop::{NotRendered, lacking_axes, rendered};
 
 use super::driving::{Ran, drive, most_periods};
-use super::{Asked, SafetyArguments, SessionArguments, guarding, limits, outcome, request};
+use super::{
+    Asked, SafetyArguments, SessionArguments, guarding, limits, outcome, request,
+    tell_what_a_loop_has_not,
+};
 use crate::devices::{FLAGS_OF_A_DEVICE, OpenedInWorld, names, open_for_world};
 use crate::failure::{Failure, tell};
 use crate::reports::{Energies, RunReport, Subject};
@@ -87,6 +90,7 @@ impl Session<'_> {
         let (arguments, scene) = (self.arguments, &self.file.scene);
         let method = worlds::one_method(&arguments.flags, scene)?;
         let period = scene.timing.period;
+        tell_what_a_loop_has_not(&scene.timing.imperfections, scene.timing.delay);
         let guarding = guarding(&arguments.safety, period)?;
         let (device, given) = (&arguments.device, &arguments.given);
         let opened = open_for_world(device, given, scene, clock, &guarding, &[])?;

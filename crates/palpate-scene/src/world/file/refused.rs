@@ -8,7 +8,6 @@ use crate::device_key::{RawDevice, span};
 use crate::fault::Span;
 use crate::one_contact::NotOneContact;
 use crate::raw::RawScene;
-use crate::timing::RawLoop;
 
 impl Reading {
     /// Rejects keys that only the closed form honours. `why` is the reason why the closed form does not render the
@@ -19,7 +18,7 @@ impl Reading {
             return;
         }
         let why = why.map_or("it is rendered as a world here", |why| &why.reason);
-        let mut keys = of_loop(&raw.r#loop);
+        let mut keys = Keys::new();
         for device in &raw.device {
             keys.extend(of_device(device.get_ref()));
         }
@@ -27,8 +26,11 @@ impl Reading {
             keys.push(("body.centre_m", span(&body.get_ref().centre_m)));
         }
         let (model, render) = (&raw.model, &raw.render);
+        let hold = raw.r#loop.hold.as_ref();
+        let line = hold.filter(|hold| *hold.get_ref() == Hold::Line);
         let unilateral = render.unilateral.as_ref().filter(|only| *only.get_ref());
         keys.extend([
+            ("loop.hold", line.map(Spanned::span)),
             ("model.resonance_hz", span(&model.resonance_hz)),
             (
                 "model.resonance_damping_ratio",
@@ -64,23 +66,6 @@ impl Reading {
 }
 
 type Keys = Vec<(&'static str, Option<Span>)>;
-
-fn of_loop(raw: &RawLoop) -> Keys {
-    let line = raw
-        .hold
-        .as_ref()
-        .filter(|hold| *hold.get_ref() == Hold::Line);
-    vec![
-        ("loop.command_jitter_s", span(&raw.command_jitter_s)),
-        ("loop.jitter_s", span(&raw.jitter_s)),
-        ("loop.jitter_deviation_s", span(&raw.jitter_deviation_s)),
-        ("loop.drop_probability", span(&raw.drop_probability)),
-        ("loop.dropped_samples", span(&raw.dropped_samples)),
-        ("loop.collapse", span(&raw.collapse)),
-        ("loop.seed", span(&raw.seed)),
-        ("loop.hold", line.map(Spanned::span)),
-    ]
-}
 
 fn of_device(raw: &RawDevice) -> Keys {
     let mut keys = vec![

@@ -200,7 +200,6 @@ fn a_table_of_one_matrix_is_a_mass() {
     let [table, constant] = [scene, constant].map(|scene| {
         let ideal = WorldIdeal::new(&scene, Grid::even(0.0, 0.004, 50)).unwrap();
         let actuated = PlantParams {
-            delay: 0.001,
             actuator: palpate_testbed::actuator::ActuatorParams {
                 gain: 0.9,
                 lag: 0.002,

@@ -132,10 +132,7 @@ fn held_force_moves_plant_and_is_evaluated_along_own_axes() {
         let ideals = scenes
             .each_ref()
             .map(|scene| WorldIdeal::new(scene, Grid::even(0.0, 0.004, 60)).unwrap());
-        let params = PlantParams {
-            delay: 0.002,
-            ..PlantParams::perfect(0.004)
-        };
+        let params = PlantParams::perfect(0.004);
         let mut plants = scenes
             .each_ref()
             .map(|scene| WorldPlant::new(scene, params).unwrap());
