@@ -7,7 +7,6 @@ use palpate_scene::world::WorldScene;
 use palpate_scene::{Scene, SceneFile};
 use palpate_study::sim::closed_loop::Bench;
 use palpate_study::sim::world::as_evaluated;
-use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::world::{PlantParams, WorldPlant};
 use palpate_world::Sample;
 
@@ -62,7 +61,11 @@ fn of_world(mut scene: WorldScene) -> Result<String, String> {
     let params = PlantParams {
         period: scene.timing.period,
         actuator: scene.timing.actuator,
+        seed: scene.timing.imperfections.seed,
     };
+    if !scene.timing.is_perfect() {
+        return Err("this run supports only worlds without delay, jitter and drops".into());
+    }
     let evaluated = as_evaluated(&scene);
     let mut text = String::new();
     for method in WorldScene::METHODS {

@@ -110,8 +110,7 @@ impl Space {
             return Err(format!("{} methods; allowed: 1 or 2", methods.len()));
         }
         let timing = &scene.timing;
-        let is_late = timing.delay != Delay::NONE || timing.actuator != ActuatorParams::default();
-        if is_late || !timing.imperfections.is_perfect() {
+        if !timing.is_perfect() || timing.actuator != ActuatorParams::default() {
             return Err(
                 "this page supports only worlds without delay and lag, and with a gain of 1".into(),
             );
@@ -243,6 +242,7 @@ impl SpaceLane {
         let params = PlantParams {
             period: scene.timing.period,
             actuator: ActuatorParams::default(),
+            seed: scene.timing.imperfections.seed,
         };
         Ok(Self {
             method: method.to_owned(),

@@ -47,7 +47,7 @@ impl SeedFlags {
         self.of_random(scene.random_seed(), scene.timing.seed)
     }
 
-    /// Returns the seeds from that of what is `random` on; without it from `seed` on, if the start varies.
+    /// Returns the seeds from `random` on, the seed of a random loop; without it from `seed` on, if the start varies.
     fn of_random(&self, random: Option<u64>, seed: u64) -> Result<Range<u64>, Failure> {
         let first = match (random, self.start_range) {
             (Some(first), _) => first,

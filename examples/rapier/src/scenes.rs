@@ -120,6 +120,7 @@ fn evaluated(scene: &Scene) -> WorldScene {
             name: "tool".to_owned(),
             own_axes: None,
             mass_table: None,
+            drivetrain: palpate_testbed::world::Drivetrain::default(),
             mass: DEVICE_MASS,
             position: scene.start,
             velocity: [0.0; 3],

@@ -22,10 +22,10 @@ use std::string::{String, ToString};
 use std::vec::Vec;
 
 use palpate_core::Actuation;
-use palpate_scene::scene_bytes;
 use palpate_scene::world::{
     Coupling, WorldFile, WorldRender, WorldScene, WorldSettings, WorldTiming,
 };
+use palpate_scene::{ActuatorParams, Delay, Timing, scene_bytes};
 use palpate_world::{World, WorldError, WorldField, WorldGuard};
 
 use crate::edge::status;

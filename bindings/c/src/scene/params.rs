@@ -196,13 +196,8 @@ impl DeviceParams {
             position: none,
             velocity: none,
             quantum: self.quantum,
-            hand: WorldHand {
-                force: none,
-                stiffness: 0.0,
-                damping: 0.0,
-                rest: none,
-                tremor: Default::default(),
-            },
+            hand: WorldHand::default(),
+            drivetrain: Default::default(),
             turning,
         })
     }

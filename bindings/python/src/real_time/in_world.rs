@@ -183,8 +183,8 @@ fn own_device(given: &Bound<'_, PyDict>, name: &str) -> PyResult<(WorldDevice, W
     let world = world.cast::<PyWorld>()?.borrow();
     let scene = world.scene();
     let actuator = scene.timing.actuator();
-    if let [own] = scene.devices[..] {
-        return Ok((own, actuator));
+    if let [own] = &scene.devices[..] {
+        return Ok((own.clone(), actuator));
     }
     let said: Option<String> = given
         .get_item("device")?
@@ -199,7 +199,7 @@ fn own_device(given: &Bound<'_, PyDict>, name: &str) -> PyResult<(WorldDevice, W
             "the world of the simulated device has no device called \"{name}\""
         ))
     })?;
-    Ok((*own, actuator))
+    Ok((own.clone(), actuator))
 }
 
 /// Returns the rendering of a world on these devices, with limits within those of the devices.

@@ -6,7 +6,7 @@ use numpy::{PyReadonlyArray2, PyUntypedArrayMethods as _};
 use palpate_core::Actuation;
 use palpate_device::Vector;
 use palpate_rt::{LocalWorld, WorldFrame, local_world};
-use palpate_scene::world::{Tremor, WorldDevice, WorldHand};
+use palpate_scene::world::{Drivetrain, WorldDevice, WorldHand};
 use palpate_world::engine::local::{LocalContact, LocalParams, LocalRenderer, ModelRefusal};
 use palpate_world::{ContactLaw, CoupledParams, Shape, Tool, WorldLoop};
 use pyo3::exceptions::PyRuntimeError;
@@ -162,12 +162,10 @@ impl LowRateSimulator {
             velocity: [0.0; 3],
             quantum: [self.given.encoder_quantum; 3],
             hand: WorldHand {
-                force: [0.0; 3],
-                stiffness: 0.0,
-                damping: 0.0,
                 rest: self.given.position,
-                tremor: Tremor::default(),
+                ..WorldHand::default()
             },
+            drivetrain: Drivetrain::default(),
             turning: None,
         }
     }

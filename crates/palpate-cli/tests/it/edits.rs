@@ -187,7 +187,10 @@ fn several_seeds_have_means_and_paired_differences() {
     folder.fail(
         "compare world.toml --method basic --seeds 2",
         2,
-        &["--seeds 2: nothing is random in a world", "--start-range"],
+        &[
+            "--seeds 2: nothing is random in this scene",
+            "--start-range",
+        ],
     );
     folder.fail(
         "compare fig2.toml --seeds 2 --start-range 0",

@@ -447,7 +447,7 @@ fn random_parts_state_their_seed_and_several_seeds_give_their_range() {
     folder.fail(
         "simulate world.toml --seeds 2",
         2,
-        &["nothing is random in a world"],
+        &["nothing is random in this scene"],
     );
 }
 

@@ -300,7 +300,8 @@ fn a_loop_of_two_devices_is_refused() {
 fn spatial_device_returns_the_written_force() {
     let scene = scene("paddle.toml");
     let clock = SteppedClock::new();
-    let mut device = SpatialDevice::new(&scene.devices[0], &scene.timing.actuator(), clock).unwrap();
+    let mut device =
+        SpatialDevice::new(&scene.devices[0], &scene.timing.actuator(), clock).unwrap();
     let held = device.write([1.0, -2.0, 0.5].into()).unwrap();
     assert_eq!(held.force, [1.0, -2.0, 0.5]);
 }

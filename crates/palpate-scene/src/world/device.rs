@@ -7,8 +7,9 @@ use toml::Spanned;
 use super::file::Reading;
 use super::per_axis::{DeviceAxes, PerAxis};
 use super::shape::unit;
-use super::{DeviceTurning, Tremor, TurningHand, WorldDevice};
-use crate::device_key::{RawDevice, TurningKeys};
+use super::{DeviceTurning, Drivetrain, Tremor, TurningHand, WorldDevice};
+use crate::device_key::{RawDevice, TurningKeys, span as key_span};
+use crate::drivetrain_key::RawDrivetrain;
 use crate::fault::Span;
 
 /// Returns the error of a device's name that cannot begin the name of a column.
@@ -54,16 +55,23 @@ impl Reading {
         };
         let position = self.vector("position_m", raw.position_m.take(), [0.0; 3]);
         let (tool, mass) = self.with_mass(index, span, tool, &mut raw, position);
+        let coulomb = key_span(&raw.drivetrain.coulomb_friction_n);
         let velocity = raw.velocity_m_per_s.take();
         self.nothing_elsewhere("velocity_m_per_s", velocity.as_ref(), &tool, [0.0; 3]);
-        let viscous = raw.drivetrain.viscous_friction_n_s_per_m.take();
-        let viscous = viscous.map_or(0.0, |friction| {
-            let key = "drivetrain.viscous_friction_n_s_per_m";
-            self.number(key, friction, Range::NotNegative)
-        });
-        let mut hand = self.hand(raw.hand, &tool, position, tremor);
-        // Both are forces against the velocity of the device.
-        hand.damping += viscous;
+        let drivetrain = self.drivetrain(raw.drivetrain, raw.noise_m);
+        if tool.mass_table.is_some() {
+            for (key, span) in [
+                ("device.hand.mass_kg", key_span(&raw.hand.mass_kg)),
+                ("device.drivetrain.coulomb_friction_n", coulomb),
+            ] {
+                if let Some(span) = span {
+                    self.fault(
+                        span,
+                        format!("{key} is for a device with mass_kg, not with a mass_table"),
+                    );
+                }
+            }
+        }
         let device = WorldDevice {
             own_axes: tool.own_axes,
             mass,
@@ -72,10 +80,31 @@ impl Reading {
             quantum: raw.quantum_m.map_or([0.0; 3], |quantum| {
                 self.per_axis("quantum_m", &quantum, Range::NotNegative, (known, 0.0))
             }),
-            hand,
+            hand: self.hand(raw.hand, &tool, position, tremor),
+            drivetrain,
             turning,
         };
         (tool, device)
+    }
+
+    /// Returns friction, motors and noise along each axis.
+    fn drivetrain(&mut self, raw: RawDrivetrain, noise: Option<Spanned<f64>>) -> Drivetrain {
+        let mut or = |key: &str, value: Option<Spanned<f64>>, otherwise, range| {
+            value.map_or(otherwise, |value| self.number(key, value, range))
+        };
+        let least = Range::NotNegative;
+        let keys = [
+            "viscous_friction_n_s_per_m",
+            "coulomb_friction_n",
+            "motor_limit_n",
+        ]
+        .map(|key| format!("drivetrain.{key}"));
+        Drivetrain {
+            viscous_friction: or(&keys[0], raw.viscous_friction_n_s_per_m, 0.0, least),
+            coulomb_friction: or(&keys[1], raw.coulomb_friction_n, 0.0, least),
+            largest_force: or(&keys[2], raw.motor_limit_n, f64::INFINITY, Range::Positive),
+            noise: or("noise_m", noise, 0.0, least),
+        }
     }
 
     /// Rejects a name that cannot begin the name of a column.

@@ -143,7 +143,7 @@ pub(crate) struct Reading {
     /// Notes on meshes, on a world without contacts or bodies, and on its period.
     notes: Vec<String>,
     /// Folder of mesh files.
-    folder: PathBuf,
+    pub(super) folder: PathBuf,
     /// Tables that keys at fault were taken out of.
     pub(super) damaged: HashSet<String>,
     /// Keys that were at fault, with those of their tables.

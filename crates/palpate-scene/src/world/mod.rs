@@ -22,11 +22,13 @@ pub use guard::{GUARD_TURNING, WORLD_GUARD_ALLOWANCE, hand_guard, usual_guard};
 pub use rendering::WorldSettings;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use palpate_core::Actuation;
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::timeline::Timeline;
+pub use palpate_testbed::world::{Drivetrain, LedPath, Swing};
 use palpate_world::{Quaternion, Vector, World, WorldGuard};
 
 use crate::delay::Delay;
@@ -50,7 +52,7 @@ pub struct WorldScene {
 }
 
 /// A device and its hand. Its axes are those of the world or its own.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct WorldDevice {
     /// Its axes, unit vectors at right angles along the world's: mass, quantum and tremor are along them, positions, velocities and
     /// forces along the world's. `None`: the world's own. Those of its tool are the same
@@ -65,6 +67,8 @@ pub struct WorldDevice {
     pub velocity: Vector,
     /// Quantum of the position sensor along each axis, 0 for an ideal one `[m]`.
     pub quantum: Vector,
+    /// Friction, motors and noise of the sensors.
+    pub drivetrain: Drivetrain,
     /// The hand.
     pub hand: WorldHand,
     /// Rotation; `None` for a three-axis device.
@@ -132,7 +136,7 @@ pub struct TurningHand {
 }
 
 /// A hand that pushes, and that may pull its device to a place.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct WorldHand {
     /// Constant force on the device `[N]`.
     pub force: Vector,
@@ -142,6 +146,14 @@ pub struct WorldHand {
     pub damping: f64,
     /// Rest position of the spring `[m]`.
     pub rest: Vector,
+    /// Swing of the rest position.
+    pub swing: Option<Swing>,
+    /// Recorded rest position, in place of `rest` and swing.
+    pub path: Option<Arc<LedPath>>,
+    /// Mass that moves with the device, at least 0; no method counts it `[kg]`.
+    pub mass: f64,
+    /// Time at which the hand releases the device permanently `[s]`.
+    pub release: Option<f64>,
     /// Tremor of the hand.
     pub tremor: Tremor,
 }
@@ -180,21 +192,32 @@ impl WorldTiming {
         }
     }
 
+    /// Whether every sample is on time and every command acts at its sample.
+    #[must_use]
+    pub fn is_perfect(&self) -> bool {
+        self.delay.time(self.period) == 0.0 && self.imperfections.is_perfect()
+    }
+
     /// The samples and commands of the loop over a number of `periods`.
     ///
     /// # Errors
     /// There is no period, or a number is out of its range.
     pub fn timeline(&self, periods: usize) -> Result<Timeline, InvalidParameter> {
-        Timeline::new(self.imperfections.schedule(self.period, self.delay), periods)
+        Timeline::new(
+            self.imperfections.schedule(self.period, self.delay),
+            periods,
+        )
     }
 }
 
 impl WorldScene {
-    /// Seed of the random numbers of the loop; none if nothing is random.
+    /// Seed of the random numbers of timing and sensor noise; none if nothing is random.
     #[must_use]
     pub fn random_seed(&self) -> Option<u64> {
         let timing = &self.timing.imperfections;
-        timing.is_random().then_some(timing.seed)
+        let mut devices = self.devices.iter();
+        let is_noisy = devices.any(|device| device.drivetrain.noise > 0.0);
+        (timing.is_random() || is_noisy).then_some(timing.seed)
     }
 }
 

@@ -23,6 +23,7 @@ pub use parameters::of as parameters_of;
 pub use recording::FromRecording;
 pub use replayed::{HandReport, Replayed};
 pub use seeds::OverSeeds;
+pub(crate) use timing::in_words as timing_in_words;
 pub use timing::of as timing_of;
 
 use crate::sim::replay::ReplaySetup;
@@ -322,7 +323,7 @@ impl Report {
             actuator: serde_json::Map::new(),
             says_what_columns_are: true,
             delay_fraction: subject.delay.fraction(),
-            timing_in_words: timing::in_words(subject),
+            timing_in_words: timing::of_subject(subject),
             samples: runs.first().map_or(0, |run| run.ticks.len()),
             window_periods,
             window_s: window_periods as f64 * period,

@@ -57,12 +57,16 @@ pub fn of(delay: Delay, timing: &Timing) -> Map<String, Value> {
 }
 
 /// Describes the imperfections of a subject's loop and the noise of its sensor, without a delay in periods.
-pub(super) fn in_words(subject: &Subject) -> String {
-    let (delay, timing) = (subject.delay, &subject.timing);
+pub(super) fn of_subject(subject: &Subject) -> String {
+    let is_line = subject.loop_params.actuation.hold == Hold::Line;
+    let line = is_line.then(|| "each command is a line".to_owned());
+    let words = in_words(subject.delay, &subject.timing, subject.sensor_noise);
+    Vec::from_iter(line.into_iter().chain(words)).join(", ")
+}
+
+/// Describes the imperfections of a loop and the noise of its sensors `[m]`, without a delay in periods.
+pub(crate) fn in_words(delay: Delay, timing: &Timing, sensor_noise: f64) -> Vec<String> {
     let mut words = Vec::new();
-    if subject.loop_params.actuation.hold == Hold::Line {
-        words.push("each command is a line".to_owned());
-    }
     let milliseconds = |seconds: f64| crate::text::digits(1e3 * seconds);
     if delay.seconds() > 0.0 {
         let after = milliseconds(delay.seconds());
@@ -100,9 +104,9 @@ pub(super) fn in_words(subject: &Subject) -> String {
             collapse.until
         ));
     }
-    if subject.sensor_noise > 0.0 {
-        let noise = crate::text::digits(1e6 * subject.sensor_noise);
+    if sensor_noise > 0.0 {
+        let noise = crate::text::digits(1e6 * sensor_noise);
         words.push(format!("sensor noise {noise} um"));
     }
-    words.join(", ")
+    words
 }

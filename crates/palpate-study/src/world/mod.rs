@@ -11,12 +11,13 @@ pub mod tune;
 pub use setting::SettingReport;
 
 use crate::sim::world::{Refusal, WorldBench, WorldRun};
+use palpate_scene::Delay;
 use palpate_scene::world::WorldScene;
 use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::world::{DeviceEvaluation, Member, WorldIdeal};
 use serde::Serialize;
 
-use crate::report::RecordedMotion;
+use crate::report::{RecordedMotion, timing_in_words, timing_of};
 use crate::seeded::Seeded;
 
 /// Name and version of the JSON report.
@@ -40,6 +41,15 @@ pub struct WorldReport {
     pub lag_s: f64,
     /// Ratio of delivered to commanded force.
     pub gain: f64,
+    /// Further imperfections of the loop.
+    #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
+    pub timing: serde_json::Map<String, serde_json::Value>,
+    /// Seed of the random values of jitter, drops and sensor noise; none if nothing is random.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// The imperfections in words.
+    #[serde(skip)]
+    timing_in_words: String,
     /// Length of the evaluated window.
     pub window_s: f64,
     /// Number of samples in it.
@@ -268,6 +278,9 @@ impl WorldReport {
             })
             .collect();
         let decisive = names.zip(bench.decisive());
+        let imperfections = &scene.timing.imperfections;
+        let noises = scene.devices.iter().map(|device| device.drivetrain.noise);
+        let noise = noises.fold(0.0, f64::max);
         Self {
             format: FORMAT,
             title: scene.title.clone(),
@@ -275,6 +288,9 @@ impl WorldReport {
             delay_s: scene.timing.actuator().delay,
             lag_s: scene.timing.actuator.lag,
             gain: scene.timing.actuator.gain,
+            timing: timing_of(Delay::NONE, imperfections),
+            seed: scene.random_seed(),
+            timing_in_words: timing_in_words(Delay::NONE, imperfections, noise).join(", "),
             window_s: grid.edge(grid.intervals()),
             samples: runs.first().map_or(0, |run| run.positions.len()),
             chaotic_from_s: check.and_then(|check| check.chaotic_from),

@@ -73,8 +73,12 @@ impl WorldReport {
         let agrees = self.ideal_error_percent.map_or_else(String::new, |error| {
             format!(", and is converged to {} %", digits(error))
         });
+        let imperfect = match &*self.timing_in_words {
+            "" => String::new(),
+            words => format!(", {words}"),
+        };
         format!(
-            "period {} s{delay}{lag}; {} over {} s; the ideal has {} and penetration up to {} m{agrees}{shortened}",
+            "period {} s{delay}{lag}{imperfect}; {} over {} s; the ideal has {} and penetration up to {} m{agrees}{shortened}",
             digits(self.period_s),
             counted(self.samples, "sample"),
             digits(self.window_s),

@@ -2,10 +2,10 @@
 #![allow(clippy::print_stdout)] // what was measured
 
 use palpate_study::sim::world::{WorldBench, as_rendered};
-use palpate_testbed::world::random_worlds::{RandomHands, RandomWorld, random_worlds};
 use palpate_testbed::schedule::{ActuationDelay, ScheduleParams};
 use palpate_testbed::timeline::Timeline;
 use palpate_testbed::world::Decisive;
+use palpate_testbed::world::random_worlds::{RandomHands, RandomWorld, random_worlds};
 use palpate_world::{CoupledParams, WorldLoop, WorldRenderer};
 use rayon::prelude::*;
 

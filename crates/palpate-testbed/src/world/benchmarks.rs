@@ -12,10 +12,10 @@ use std::sync::Arc;
 pub use jointed::{button, drawer, lever};
 pub use stack::stack;
 
+use super::hand::WorldHand;
 use super::mesh::{TriangleMesh, gallery};
 use super::scene::{
-    ContactLaw, FreeMotion, Member, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
-    WorldScene,
+    ContactLaw, FreeMotion, Member, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldScene,
 };
 
 /// Number of starts of a benchmark.
@@ -418,6 +418,7 @@ fn device(name: &str, position: Vector, tool_radius: f64) -> WorldDevice {
         name: name.into(),
         own_axes: None,
         mass_table: None,
+        drivetrain: crate::world::Drivetrain::default(),
         mass: [0.1, 0.16, 0.25],
         position,
         velocity: [0.0; 3],

@@ -76,6 +76,7 @@ mod tests {
                 name: "tool".into(),
                 own_axes: None,
                 mass_table: None,
+                drivetrain: crate::world::Drivetrain::default(),
                 mass: [0.5, f64::INFINITY, 0.1],
                 position: [0.0, 0.0, -0.001],
                 velocity: [0.0; 3],

@@ -5,12 +5,15 @@ use super::vector::Vec3;
 use crate::InvalidParameter;
 use crate::device::DevicePlant;
 use crate::hand::Sinusoid;
+use crate::held_mass::HeldMass;
 use crate::sprung_mass::SprungMass;
 
 /// One axis of a device: it moves, or the device lacks it and stays.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum HeldAxis {
     Moves(SwungMass),
+    /// With friction, or in a hand with an intention.
+    Held(Box<HeldMass>),
     /// At this position `[m]`.
     Stays(f64),
 }
@@ -18,11 +21,19 @@ pub(super) enum HeldAxis {
 impl HeldAxis {
     /// Axis `axis` of a checked device, whose name in messages is `name`.
     pub fn new(device: &WorldDevice, axis: usize, name: &str) -> Result<Self, InvalidScene> {
-        if device.moves_along(axis) {
-            SwungMass::new(device, axis, name).map(Self::Moves)
-        } else {
-            Ok(Self::Stays(device.own(Vec3(device.position)).0[axis]))
+        if !device.moves_along(axis) {
+            return Ok(Self::Stays(device.own(Vec3(device.position)).0[axis]));
         }
+        if device.hand.is_still() && !device.has_friction() {
+            return SwungMass::new(device, axis, name).map(Self::Moves);
+        }
+        let held = device.held_along(axis);
+        let held = held.map_err(|invalid| InvalidParameter {
+            name: format!("{name}.{}", invalid.name),
+            value: invalid.value,
+            allowed: invalid.allowed,
+        })?;
+        Ok(Self::Held(Box::new(held)))
     }
 
     /// Whether the device lacks this axis.
@@ -35,6 +46,7 @@ impl DevicePlant for HeldAxis {
     fn position(&self) -> f64 {
         match self {
             Self::Moves(mass) => mass.position(),
+            Self::Held(mass) => mass.position(),
             Self::Stays(position) => *position,
         }
     }
@@ -42,6 +54,7 @@ impl DevicePlant for HeldAxis {
     fn velocity(&self) -> f64 {
         match self {
             Self::Moves(mass) => mass.velocity(),
+            Self::Held(mass) => mass.velocity(),
             Self::Stays(_) => 0.0,
         }
     }
@@ -49,6 +62,7 @@ impl DevicePlant for HeldAxis {
     fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
         match self {
             Self::Moves(mass) => mass.advance(force_on_object, duration),
+            Self::Held(mass) => mass.advance(force_on_object, duration),
             Self::Stays(_) => 0.0,
         }
     }
@@ -56,6 +70,7 @@ impl DevicePlant for HeldAxis {
     fn stored_energy(&self) -> f64 {
         match self {
             Self::Moves(mass) => mass.stored_energy(),
+            Self::Held(mass) => mass.stored_energy(),
             Self::Stays(_) => 0.0,
         }
     }

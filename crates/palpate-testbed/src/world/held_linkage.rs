@@ -2,7 +2,7 @@
 
 use super::dormand_prince::Step;
 use super::mass_table::MassTable;
-use super::motion::hand_force_at;
+use super::motion::Grasp;
 use super::scene::{Vector, WorldDevice};
 use super::vector::Vec3;
 use crate::actuator::ActuatorParams;
@@ -49,7 +49,7 @@ impl HeldLinkage {
     /// Advances under a commanded force on the tool. Returns the delivered impulse along the device's axes.
     pub fn advance(
         &mut self,
-        (device, table): (&WorldDevice, &MassTable),
+        (device, table, grasp): (&WorldDevice, &MassTable, &Grasp),
         command: Vector,
         duration: f64,
     ) -> Vector {
@@ -72,9 +72,9 @@ impl HeldLinkage {
             self.step
                 .take(done, &start, length, false, |time, state, rates| {
                     let (position, velocity) = (Vec3::new(state), Vec3::new(&state[3..]));
-                    let push = aim
-                        + excess * left(time)
-                        + hand_force_at(device, begin + time, position, velocity);
+                    let by_hand = grasp.hand_force(device, begin + time, [position, velocity]);
+                    let push = aim + excess * left(time) + by_hand
+                        - velocity * device.drivetrain.viscous_friction;
                     velocity.write(rates);
                     table
                         .acceleration(device, [position, velocity, push])

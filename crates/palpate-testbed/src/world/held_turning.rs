@@ -2,7 +2,7 @@
 
 use super::dormand_prince::Step;
 use super::scene::Vector;
-use super::turning::{Turning, rotation_vector, turned_by};
+use super::turning::{Turning, TurningHand, rotation_vector, turned_by};
 use super::vector::{Rotation, Vec3, quaternion_rate};
 use crate::InvalidParameter;
 use crate::actuator::{Actuator, ActuatorParams};
@@ -101,6 +101,11 @@ impl HeldTurning {
     /// The hand's spring acts from now on, or does not; its damping stays.
     pub fn hold(&mut self, is_held: bool) {
         self.turning.hand.stiffness = if is_held { self.stiffness } else { 0.0 };
+    }
+
+    /// Releases the device permanently.
+    pub(super) fn release(&mut self) {
+        self.turning.hand = TurningHand::none();
     }
 
     /// Unit quaternion `[w, x, y, z]`.

@@ -50,6 +50,7 @@ mod decisive;
 mod dormand_prince;
 mod evaluation;
 mod field;
+mod hand;
 mod held_axis;
 mod held_linkage;
 mod held_turning;
@@ -86,6 +87,7 @@ pub use evaluation::{
     WindowRule, WorldEvaluation,
 };
 pub use field::Field;
+pub use hand::{Drivetrain, Swing, WorldHand};
 pub use held_turning::HeldTurning;
 pub use hull::Hull;
 pub use ideal::{TOLERANCE, WorldIdeal};
@@ -99,7 +101,7 @@ pub use record::{
 };
 pub use scene::{
     ContactLaw, FreeMotion, InvalidScene, Member, Pair, Shape, SphereAt, Tool, Vector, WorldBody,
-    WorldDevice, WorldHand, WorldScene,
+    WorldDevice, WorldScene,
 };
 pub use self_check::{CheckedIdeal, LARGEST_ERROR};
 pub use turning::{Turning, TurningHand};

@@ -6,6 +6,7 @@
 use super::between::order_after;
 use super::mesh::{MAX_CONTACTS, OnMesh};
 use super::motion::{Condition, Instant, Mode, System, slip_direction};
+use super::scene::WorldDevice;
 use super::surface::Feature;
 use super::vector::{Vec3, turned};
 
@@ -54,10 +55,16 @@ impl System {
         }
     }
 
-    /// Whether all contacts are in their conditions.
-    pub(super) fn all_hold(&self, conditions: &[Condition], now: &Instant) -> bool {
+    /// Whether all contacts are in their conditions, and devices slide or stick as they did.
+    pub(super) fn all_hold(&self, time: f64, conditions: &[Condition], now: &Instant) -> bool {
         let each = || conditions.iter().enumerate();
-        each().all(|(number, condition)| self.holds(number, condition, now))
+        let lasts = |(number, device): (usize, &WorldDevice)| {
+            let push = || now.push(self, number, time);
+            device.drivetrain.coulomb_friction == 0.0
+                || now.grasps[number].lasts(device, &now.placed[number], push())
+        };
+        self.devices.iter().enumerate().all(lasts)
+            && each().all(|(number, condition)| self.holds(number, condition, now))
             && self
                 .mesh_contacts()
                 .all(|first| self.moves_on_mesh(first, conditions, now).is_none())
@@ -191,6 +198,16 @@ impl System {
         for _ in 0..ROUNDS {
             self.evaluate(time, state, conditions, now);
             let mut settled = true;
+            for (number, device) in self.devices.iter().enumerate() {
+                if device.drivetrain.coulomb_friction > 0.0 {
+                    let (push, placed) = (now.push(self, number, time), &now.placed[number]);
+                    let (velocity, changed) = now.grasps[number].settle(device, placed, push);
+                    if changed {
+                        velocity.write(&mut state[self.layout.device(number) + 3..]);
+                        settled = false;
+                    }
+                }
+            }
             let firsts: Vec<usize> = self.mesh_contacts().collect();
             for first in firsts {
                 let Some(wanted) = self.moves_on_mesh(first, conditions, now) else {

@@ -8,9 +8,10 @@ use super::joints::{Bearing, Hold};
 use super::layout::Layout;
 use super::scene::{ContactLaw, FreeMotion, Member, WorldDevice, WorldScene};
 use super::surface::Feature;
+use super::turning::Turning;
 use super::vector::{Rotation, Vec3};
 
-pub(super) use hand::{hand_force, hand_force_at};
+pub(super) use hand::Grasp;
 
 /// State of a contact. Within a mode, the equations are smooth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,6 +71,8 @@ pub(super) struct Instant {
     pub slips: Vec<f64>,
     /// States of the joints.
     pub holds: Vec<Hold>,
+    /// How each device is held.
+    pub grasps: Vec<Grasp>,
     accelerations: Vec<Acceleration>,
     forces: Vec<Vec3>,
     torques: Vec<Vec3>,
@@ -175,6 +178,9 @@ impl System {
             bristle_dampers: vec![Vec3::ZERO; contacts],
             slips: vec![0.0; contacts],
             holds: vec![Hold::default(); self.joints.len()],
+            grasps: (self.devices.iter())
+                .map(|device| Grasp::new(&device.hand, 0.0))
+                .collect(),
             accelerations: vec![Acceleration::default(); members],
             forces: vec![Vec3::ZERO; members],
             torques: vec![Vec3::ZERO; members],
@@ -327,12 +333,13 @@ impl System {
         let devices = self.devices.len();
         for (number, device) in self.devices.iter().enumerate() {
             let placed = &now.placed[number];
-            let push = now.forces[number] + hand_force(device, time, placed);
+            let (grasp, contact) = (&now.grasps[number], now.forces[number]);
+            let push = contact + grasp.force(device, time, placed, contact);
             now.accelerations[number].linear = if let Some(table) = &device.mass_table {
                 table.acceleration(device, [placed.position, placed.velocity, push])
             } else {
                 let push = device.own(push);
-                let linear = std::array::from_fn(|axis| push.0[axis] / device.mass[axis]);
+                let linear = std::array::from_fn(|axis| push.0[axis] / grasp.mass(device, axis));
                 device.out(Vec3(linear))
             };
             if let Some(turning) = &device.turning {
@@ -340,7 +347,7 @@ impl System {
                 let omega = placed.turning;
                 let momentum = turning.angular_momentum(&placed.rotation, omega);
                 let torque = turning.of_contacts(now.torques[number])
-                    + turning.hand_torque(time, q, omega)
+                    + now.hand_torque(number, turning, (time, q))
                     - omega.cross(momentum);
                 now.accelerations[number].angular =
                     turning.angular_velocity(&placed.rotation, torque);
@@ -462,8 +469,8 @@ impl Instant {
         let devices = system
             .devices
             .iter()
-            .zip(&self.placed)
-            .map(|(device, placed)| {
+            .zip(self.placed.iter().zip(&self.grasps))
+            .map(|(device, (placed, grasp))| {
                 let of_turning = device.turning.as_ref().map_or(0.0, |turning| {
                     let momentum = turning.angular_momentum(&placed.rotation, placed.turning);
                     0.5 * momentum.dot(placed.turning)
@@ -474,7 +481,7 @@ impl Instant {
                 let velocity = device.own(placed.velocity);
                 (0..3)
                     .filter(|&axis| device.moves_along(axis))
-                    .map(|axis| 0.5 * device.mass[axis] * velocity.0[axis].powi(2))
+                    .map(|axis| 0.5 * grasp.mass(device, axis) * velocity.0[axis].powi(2))
                     .sum::<f64>()
                     + of_turning
             });
@@ -485,6 +492,27 @@ impl Instant {
                 + 0.5 * momentum.dot(placed.turning)
         });
         devices.sum::<f64>() + bodies.sum::<f64>()
+    }
+
+    /// Torque of the hand on a device with the orientation `q` at a time `[s]`; 0 after its release `[N m]`.
+    fn hand_torque(&self, device: usize, turning: &Turning, (time, q): (f64, [f64; 4])) -> Vec3 {
+        if self.grasps[device].holds {
+            turning.hand_torque(time, q, self.placed[device].turning)
+        } else {
+            Vec3::ZERO
+        }
+    }
+
+    /// Force of the hand on a device `[N]`.
+    pub fn hand_force(&self, system: &System, number: usize, time: f64) -> Vec3 {
+        let placed = &self.placed[number];
+        let motion = [placed.position, placed.velocity];
+        self.grasps[number].hand_force(&system.devices[number], time, motion)
+    }
+
+    /// Force of hand and contacts on a device `[N]`.
+    pub fn push(&self, system: &System, number: usize, time: f64) -> Vec3 {
+        self.hand_force(system, number, time) + self.forces[number]
     }
 
     /// Sum of the contact forces on the tool of a device `[N]`.

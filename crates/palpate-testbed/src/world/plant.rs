@@ -4,13 +4,14 @@ use super::contact::WorldError;
 use super::held_axis::HeldAxis;
 use super::held_linkage::HeldLinkage;
 use super::held_turning::HeldTurning;
+use super::motion::Grasp;
 use super::scene::{Vector, WorldDevice, WorldScene};
 use super::vector::Vec3;
 use crate::InvalidParameter;
 use crate::actuator::{Actuator, ActuatorParams};
 use crate::device::DevicePlant;
 use crate::error::positive;
-use crate::measure::Sampler;
+use crate::measure::{Sampler, SensorNoise};
 
 /// Period of a loop, and its actuators.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +20,8 @@ pub struct PlantParams {
     pub period: f64,
     /// Gain and lag of every axis.
     pub actuator: ActuatorParams,
+    /// Seed of the noise of the sensors.
+    pub seed: u64,
 }
 
 impl PlantParams {
@@ -28,6 +31,7 @@ impl PlantParams {
         Self {
             period,
             actuator: ActuatorParams::default(),
+            seed: 0,
         }
     }
 }
@@ -46,6 +50,7 @@ impl PlantParams {
 ///     name: "tool".into(),
 ///     own_axes: None,
 ///     mass_table: None,
+///     drivetrain: palpate_testbed::world::Drivetrain::default(),
 ///     mass: [0.25; 3],
 ///     position: [0.0; 3],
 ///     velocity: [0.0; 3],
@@ -67,6 +72,8 @@ impl PlantParams {
 #[derive(Debug, Clone)]
 pub struct WorldPlant {
     period: f64,
+    /// `[s]`
+    now: f64,
     devices: Vec<PlantDevice>,
     samples: usize,
     durations: Vec<f64>,
@@ -81,6 +88,9 @@ struct PlantDevice {
     /// Moves it in place of them, where its mass depends on its place.
     linkage: Option<HeldLinkage>,
     samplers: [Sampler; 3],
+    noises: [SensorNoise; 3],
+    /// How the hand holds it now.
+    grasp: Grasp,
     /// Along its axes.
     impulses: Vec<Vector>,
     turning: Option<HeldTurning>,
@@ -88,6 +98,65 @@ struct PlantDevice {
 }
 
 impl PlantDevice {
+    fn given(&self, force: Vector) -> Vector {
+        let largest = self.device.drivetrain.largest_force;
+        if largest == f64::INFINITY {
+            return force;
+        }
+        let own = self.device.own(Vec3(force)).0;
+        let given = own.map(|along| along.clamp(-largest, largest));
+        self.device.out(Vec3(given)).0
+    }
+
+    /// Moves for a `duration` `[s]` from `time` `[s]` on under a force and a torque on its tool.
+    fn advance(&mut self, [force, torque]: [Vector; 2], mut time: f64, duration: f64) {
+        let mut left = duration;
+        while self.grasp.until < time + left {
+            let part = (self.grasp.until - time).max(0.0);
+            if part > 0.0 {
+                self.move_on([force, torque], part);
+            }
+            (time, left) = (self.grasp.until, left - part);
+            self.grasp.go_on(&self.device.hand, time);
+            if let (false, Some(turning)) = (self.grasp.holds, &mut self.turning) {
+                turning.release();
+            }
+        }
+        self.move_on([force, torque], left);
+    }
+
+    /// The same without an event of its hand.
+    fn move_on(&mut self, [force, torque]: [Vector; 2], duration: f64) {
+        if let Some(turning) = &mut self.turning
+            && let Some(angular_impulse) = self.angular_impulses.last_mut()
+        {
+            let delivered = turning.advance(torque, duration);
+            for (sum, part) in angular_impulse.iter_mut().zip(delivered) {
+                *sum += part;
+            }
+        }
+        let Some(impulse) = self.impulses.last_mut() else {
+            return;
+        };
+        if let (Some(linkage), Some(table)) = (&mut self.linkage, &self.device.mass_table) {
+            let delivered = linkage.advance((&self.device, table, &self.grasp), force, duration);
+            for (sum, part) in impulse.iter_mut().zip(delivered) {
+                *sum += part;
+            }
+            return;
+        }
+        let force = self.device.own(Vec3(force)).0;
+        for axis in 0..3 {
+            if self.axes[axis].stays() {
+                continue;
+            }
+            // A force on the tool is the opposite of the force on the object.
+            let delivered =
+                self.actuators[axis].drive(&mut self.axes[axis], -force[axis], duration);
+            impulse[axis] -= delivered.mean_force * duration;
+        }
+    }
+
     /// Along one of its axes.
     fn position(&self, axis: usize) -> f64 {
         self.linkage.as_ref().map_or_else(
@@ -122,8 +191,17 @@ impl WorldPlant {
         positive("period", params.period, "finite and above 0 s").map_err(of_loop)?;
         let actuator = Actuator::new(params.actuator).map_err(of_loop)?;
         let mut devices = Vec::new();
+        // A device with one axis alone has the noise of the seed itself.
+        let mut sensors = params.seed..;
         for (number, device) in scene.devices.iter().enumerate() {
             let name = format!("devices[{number}]");
+            let mut noises = [SensorNoise::none(); 3];
+            for (axis, noise) in noises.iter_mut().enumerate() {
+                if device.moves_along(axis) {
+                    let seed = sensors.next().unwrap_or_default();
+                    *noise = SensorNoise::normal(device.drivetrain.noise, seed).map_err(of_loop)?;
+                }
+            }
             let axis = |axis| HeldAxis::new(device, axis, &name);
             devices.push(PlantDevice {
                 device: device.clone(),
@@ -134,6 +212,8 @@ impl WorldPlant {
                     .as_ref()
                     .map(|_| HeldLinkage::new(device, params.actuator)),
                 samplers: device.quantum.map(Sampler::Quantum),
+                noises,
+                grasp: Grasp::new(&device.hand, 0.0),
                 impulses: Vec::new(),
                 turning: device
                     .turning
@@ -144,6 +224,7 @@ impl WorldPlant {
         }
         Ok(Self {
             period: params.period,
+            now: 0.0,
             devices,
             samples: 0,
             durations: Vec::new(),
@@ -156,10 +237,43 @@ impl WorldPlant {
         self.samples as f64 * self.period
     }
 
-    /// Returns the measured positions, rounded along each of a device's axes to its quantum `[m]`.
+    /// Returns the measured positions, with the noise of a sample and rounded along each of a device's axes to its
+    /// quantum `[m]`.
+    pub fn measure(&mut self) -> Vec<Vector> {
+        let devices = self.devices.iter_mut();
+        let measured = devices.map(|device| {
+            let noises = device.noises.each_mut().map(SensorNoise::draw);
+            let own = std::array::from_fn(|axis| {
+                let (position, noise) = (device.position(axis), noises[axis]);
+                // Without any, it is the position to the last bit.
+                let noisy = if noise == 0.0 {
+                    position
+                } else {
+                    position + noise
+                };
+                device.samplers[axis].sample(noisy)
+            });
+            device.device.out(Vec3(own)).0
+        });
+        measured.collect()
+    }
+
+    /// Returns the force that the motors of a device take from a command `[N]`: along each of its axes at most their
+    /// largest force.
+    ///
+    /// # Panics
+    ///
+    /// There is no device of that number.
     #[must_use]
-    pub fn measure(&self) -> Vec<Vector> {
-        self.each(|device, axis| device.samplers[axis].sample(device.position(axis)))
+    pub fn given_force(&self, device: usize, force: Vector) -> Vector {
+        self.devices[device].given(force)
+    }
+
+    /// Whether a motor of a device has a largest force.
+    #[must_use]
+    pub fn has_limits(&self) -> bool {
+        let mut devices = self.devices.iter();
+        devices.any(|it| it.device.drivetrain.largest_force < f64::INFINITY)
     }
 
     /// Returns the present positions of the tools' centres `[m]`.
@@ -241,36 +355,10 @@ impl WorldPlant {
     pub fn advance(&mut self, forces: &[Vector], torques: &[Vector], duration: f64) {
         let of = |list: &[Vector], number: usize| list.get(number).copied().unwrap_or_default();
         for (number, device) in self.devices.iter_mut().enumerate() {
-            let (force, torque) = (of(forces, number), of(torques, number));
-            if let Some(turning) = &mut device.turning
-                && let Some(angular_impulse) = device.angular_impulses.last_mut()
-            {
-                let delivered = turning.advance(torque, duration);
-                for (sum, part) in angular_impulse.iter_mut().zip(delivered) {
-                    *sum += part;
-                }
-            }
-            let Some(impulse) = device.impulses.last_mut() else {
-                continue;
-            };
-            if let (Some(linkage), Some(table)) = (&mut device.linkage, &device.device.mass_table) {
-                let delivered = linkage.advance((&device.device, table), force, duration);
-                for (sum, part) in impulse.iter_mut().zip(delivered) {
-                    *sum += part;
-                }
-                continue;
-            }
-            let force = device.device.own(Vec3(force)).0;
-            for axis in 0..3 {
-                if device.axes[axis].stays() {
-                    continue;
-                }
-                // A force on the tool is the opposite of the force on the object.
-                let delivered =
-                    device.actuators[axis].drive(&mut device.axes[axis], -force[axis], duration);
-                impulse[axis] -= delivered.mean_force * duration;
-            }
+            let force = device.given(of(forces, number));
+            device.advance([force, of(torques, number)], self.now, duration);
         }
+        self.now += duration;
         if let Some(last) = self.durations.last_mut() {
             *last += duration;
         }
@@ -322,6 +410,7 @@ impl WorldPlant {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::Grid;
     use crate::hand::Sinusoid;
     use crate::world::{Tool, WorldDevice, WorldHand, WorldIdeal};
 
@@ -337,6 +426,7 @@ mod tests {
                 name: "tool".into(),
                 own_axes: None,
                 mass_table: None,
+                drivetrain: crate::world::Drivetrain::default(),
                 mass: [0.1, 0.16, 0.25],
                 position: [0.01, -0.02, 0.05],
                 velocity: [0.1, 0.0, -0.3],
@@ -352,6 +442,7 @@ mod tests {
                         vec![],
                         vec![sine(0.08, 11.0, 2.0)],
                     ],
+                    ..WorldHand::default()
                 },
                 quantum: [0.0, 1e-5, 2e-6],
             }],
@@ -398,7 +489,7 @@ mod tests {
             forgetful.forget_delivered();
             assert_eq!(forgetful.delivered(0).len(), 1);
         }
-        assert!(whole.delivered(0).len() > 20);
+        assert_eq!(whole.delivered(0).len(), 20);
     }
 
     #[test]
@@ -425,7 +516,7 @@ mod tests {
     fn sensors_round_each_axis_to_its_own_quantum() {
         let mut scene = scene();
         scene.devices[0].position = [0.012_345_678_9; 3];
-        let plant = WorldPlant::new(&scene, PlantParams::perfect(0.01)).unwrap();
+        let mut plant = WorldPlant::new(&scene, PlantParams::perfect(0.01)).unwrap();
         let [x, y, z] = plant.measure()[0];
         assert_eq!(x, plant.positions()[0][0]);
         assert!((y - 0.01235).abs() < 1e-12 && (z - 0.012_346).abs() < 1e-12);

@@ -1,11 +1,13 @@
 //! Devices that are led along a recorded motion, whatever pushes them.
 
 use super::contact::WorldError;
+use super::hand::{Drivetrain, WorldHand};
 use super::run::Run;
-use super::scene::{Vector, WorldHand, WorldScene, unit_length};
+use super::scene::{Vector, WorldScene, unit_length};
 use super::turning::{TurningHand, rotation_vector, turned_by};
 use super::vector::Vec3;
 use crate::InvalidParameter;
+use crate::recorded_path::RecordedPath;
 
 /// Mass of a device that no force moves `[kg]`, and moments of inertia of one that no torque turns `[kg m²]`.
 const UNMOVED: f64 = 1e15;
@@ -157,6 +159,33 @@ impl LedPath {
         .collect()
     }
 
+    /// Returns the position of the first device at a time `[m]`, its velocity after that time `[m/s]`, and the end of the
+    /// present line `[s]`, infinite from the last point on.
+    pub(super) fn line_from(&self, time: f64) -> (Vector, Vector, f64) {
+        let here = self.at(time)[0];
+        if time >= self.end() {
+            return (here, [0.0; 3], f64::INFINITY);
+        }
+        let (segment, end) = self.segment(time);
+        let [from, to] = [segment, segment + 1].map(|point| self.positions[point][0]);
+        let duration = end - self.times[segment];
+        let velocity = std::array::from_fn(|axis| (to[axis] - from[axis]) / duration);
+        (here, velocity, end)
+    }
+
+    /// Returns the path of the first device along an axis; `own` gives the coordinate of a position on it `[m]`.
+    pub(super) fn along(
+        &self,
+        own: impl Fn(Vector) -> f64,
+    ) -> Result<RecordedPath, InvalidParameter> {
+        let places: Vec<f64> = self.positions.iter().map(|places| own(places[0])).collect();
+        RecordedPath::new(&self.times, &places).map_err(|_| InvalidParameter {
+            name: "hand.path",
+            value: self.end(),
+            allowed: "finite, in increasing order of times",
+        })
+    }
+
     /// Number of the line on which it is at a time `[s]`, and where that ends `[s]`.
     fn segment(&self, time: f64) -> (usize, f64) {
         let after = self.times.partition_point(|knot| *knot <= time);
@@ -175,6 +204,7 @@ impl LedPath {
             }
             device.mass_table = None;
             device.hand = WorldHand::default();
+            device.drivetrain = Drivetrain::default();
             device.position = *position;
             device.velocity = [0.0; 3];
             device.quantum = [0.0; 3];

@@ -1,10 +1,10 @@
 //! Random scenes of a sphere tool in a hand, with many randomly chosen contacts.
 
 use super::contact::WorldError;
+use super::hand::WorldHand;
 use super::ideal::WorldIdeal;
 use super::scene::{
-    ContactLaw, FreeMotion, Member, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
-    WorldScene,
+    ContactLaw, FreeMotion, Member, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldScene,
 };
 use super::self_check::CheckedIdeal;
 use super::vector::Vec3;
@@ -217,6 +217,7 @@ fn draw(numbers: &mut Numbers, period: f64, hand_stiffness: Option<f64>) -> Draw
         name: "tool".into(),
         own_axes: None,
         mass_table: None,
+        drivetrain: crate::world::Drivetrain::default(),
         mass: masses,
         position: parts.tool,
         velocity: [0.0; 3],
@@ -438,6 +439,7 @@ fn hand(numbers: &mut Numbers, parts: &Parts, stiffness: f64) -> WorldHand {
         damping,
         rest: (Vec3(parts.tool) + ahead).0,
         tremor,
+        ..WorldHand::default()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::contact::WorldError;
 use super::dormand_prince::Step;
-use super::motion::{Condition, Instant, Mode, System, hand_force, quaternion};
+use super::motion::{Condition, Instant, Mode, System, quaternion};
 use super::record::{BodyState, ContactState, DeviceState, Encounter, ReferenceLedger, WorldState};
 use super::scene::Vector;
 use super::vector::{Rotation, Vec3};
@@ -103,6 +103,10 @@ impl<'a> Run<'a> {
                 condition.mode = Mode::Stick;
             }
         }
+        self.settle();
+    }
+
+    fn settle(&mut self) {
         let time = self.time;
         self.system
             .settle(time, &mut self.state, &mut self.conditions, &mut self.now);
@@ -111,6 +115,43 @@ impl<'a> Run<'a> {
 
     /// Moves on to `end` `[s]`.
     pub fn advance(&mut self, end: f64) -> Result<(), WorldError> {
+        loop {
+            let events = self.now.grasps.iter().map(|grasp| grasp.until);
+            let event = events.fold(f64::INFINITY, f64::min);
+            if event <= self.time {
+                self.go_on();
+            } else if event < end {
+                self.advance_within(event)?;
+            } else {
+                return self.advance_within(end);
+            }
+        }
+    }
+
+    /// Passes the events of the hands at the present time.
+    fn go_on(&mut self) {
+        let system = self.system;
+        for (number, device) in system.devices.iter().enumerate() {
+            let grasp = &mut self.now.grasps[number];
+            if grasp.until > self.time {
+                continue;
+            }
+            let held = grasp.holds;
+            grasp.go_on(&device.hand, self.time);
+            if held && !grasp.holds {
+                // The hand leaves with the energy of its mass.
+                let place = system.layout.device(number) + 3;
+                let velocity = device.along_its_axes(Vec3::new(&self.state[place..]));
+                let energy = 0.5 * device.hand.mass * velocity.dot(velocity);
+                self.state[system.layout.device_sums(number) + 6] -= energy;
+            }
+        }
+        self.first_is_known = false;
+        self.settle();
+    }
+
+    /// Moves on to `end` `[s]`, with no event of a hand before it.
+    fn advance_within(&mut self, end: f64) -> Result<(), WorldError> {
         let begin = self.time;
         // In time from the interval's begin, which has more digits.
         let duration = end - begin;
@@ -150,10 +191,7 @@ impl<'a> Run<'a> {
             if event.is_some() {
                 self.events += 1;
                 self.first_is_known = false;
-                let time = self.time;
-                self.system
-                    .settle(time, &mut self.state, &mut self.conditions, &mut self.now);
-                self.note_changes();
+                self.settle();
             } else {
                 self.step.hand_on();
                 self.first_is_known = true;
@@ -235,13 +273,10 @@ impl<'a> Run<'a> {
     /// Evaluates the step at a fraction; whether all contacts are still in their conditions.
     fn look(&mut self, time: f64, length: f64, fraction: f64) -> bool {
         self.step.at(fraction, &mut self.within);
-        self.system.evaluate(
-            time + fraction * length,
-            &self.within,
-            &self.conditions,
-            &mut self.now,
-        );
-        self.system.all_hold(&self.conditions, &self.now)
+        let time = time + fraction * length;
+        self.system
+            .evaluate(time, &self.within, &self.conditions, &mut self.now);
+        self.system.all_hold(time, &self.conditions, &self.now)
     }
 
     /// Returns the minimum of a free contact's gap between two fractions, if the contact has begun there.
@@ -364,7 +399,7 @@ impl<'a> Run<'a> {
                 position: now.placed[number].position.0,
                 velocity: now.placed[number].velocity.0,
                 force: now.contact_force(number).0,
-                hand_force: hand_force(device, self.time, &now.placed[number]).0,
+                hand_force: now.hand_force(system, number, self.time).0,
                 orientation: match device.turning {
                     Some(_) => unit(quaternion(&self.state[system.layout.device(number) + 6..])),
                     None => [1.0, 0.0, 0.0, 0.0],

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::hand::{Drivetrain, WorldHand};
 use super::hull::Hull;
 use super::joints::WorldJoint;
 use super::mass_table::MassTable;
@@ -10,7 +11,6 @@ use super::turning::Turning;
 use super::vector::Vec3;
 use crate::InvalidParameter;
 use crate::error::{finite, positive};
-use crate::hand::Sinusoid;
 
 /// Three numbers along the axes of the world's frame, for instance a position `[m]` or a force `[N]`.
 pub type Vector = [f64; 3];
@@ -44,6 +44,8 @@ pub struct WorldDevice {
     pub hand: WorldHand,
     /// Quantum of the position sensor along each of the device's axes, 0 for a perfect one `[m]`.
     pub quantum: Vector,
+    /// Friction, motors and noise of the sensors.
+    pub drivetrain: Drivetrain,
 }
 
 /// The shape of a tool.
@@ -70,21 +72,6 @@ pub struct SphereAt {
     pub centre: Vector,
     /// Its radius, 0 for a point `[m]`.
     pub radius: f64,
-}
-
-/// A hand in three axes: a force, a spring and a damper.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct WorldHand {
-    /// Constant force F `[N]`.
-    pub force: Vector,
-    /// Stiffness k, at least 0 `[N/m]`.
-    pub stiffness: f64,
-    /// Damping b, at least 0 `[N s/m]`.
-    pub damping: f64,
-    /// Rest position of the spring `[m]`.
-    pub rest: Vector,
-    /// Tremor forces along each of the device's axes, their amplitudes in `[N]`; they add up.
-    pub tremor: [Vec<Sinusoid>; 3],
 }
 
 /// A rigid body.
@@ -353,6 +340,11 @@ pub(super) fn unit_length(name: &str, values: &[f64]) -> Result<(), InvalidScene
 const NOT_SQUARE: f64 = 1e-9;
 
 impl WorldDevice {
+    /// Whether a friction acts on the device.
+    pub(super) fn has_friction(&self) -> bool {
+        self.drivetrain.viscous_friction > 0.0 || self.drivetrain.coulomb_friction > 0.0
+    }
+
     /// Whether the device has this axis.
     pub(super) fn moves_along(&self, axis: usize) -> bool {
         self.mass[axis].is_finite()
@@ -461,7 +453,7 @@ impl WorldDevice {
             all_finite(&name, &[sine.amplitude, sine.phase])?;
             above_zero(&name, &[sine.frequency_hz])?;
         }
-        Ok(())
+        self.check_intention(name)
     }
 }
 

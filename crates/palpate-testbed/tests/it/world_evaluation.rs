@@ -18,6 +18,7 @@ fn scene() -> WorldScene {
         name: "tool".into(),
         own_axes: None,
         mass_table: None,
+        drivetrain: palpate_testbed::world::Drivetrain::default(),
         mass: [0.1, 0.16, 0.25],
         position: [x, 0.004, 0.002],
         velocity: [0.0; 3],

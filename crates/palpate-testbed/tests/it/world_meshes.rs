@@ -36,6 +36,7 @@ fn scene(radius: f64, position: Vector, rest: Vector, bodies: Vec<WorldBody>) ->
             name: "tool".into(),
             own_axes: None,
             mass_table: None,
+            drivetrain: palpate_testbed::world::Drivetrain::default(),
             mass: [0.15; 3],
             position,
             velocity: [0.0; 3],

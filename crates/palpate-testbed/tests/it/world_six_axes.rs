@@ -16,6 +16,7 @@ fn tool(tool: Tool, inertia: [f64; 3], angular_velocity: [f64; 3]) -> WorldDevic
         name: "tool".into(),
         own_axes: None,
         mass_table: None,
+        drivetrain: palpate_testbed::world::Drivetrain::default(),
         mass: [0.2; 3],
         position: [0.0, 0.0, 0.022],
         velocity: [0.05, 0.0, -0.3],

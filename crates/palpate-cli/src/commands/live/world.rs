@@ -11,9 +11,7 @@ use palpate_study::device_loop::{NotRendered, lacking_axes};
 use palpate_study::sim::device::SpatialHand;
 
 use super::super::run::world::{known_flags, on_devices};
-use super::super::run::{
-    Asked, guarding, outcome, request, tell_what_a_loop_has_not,
-};
+use super::super::run::{Asked, guarding, outcome, request, tell_what_a_loop_has_not};
 use super::serving::{listen, serve};
 use super::{LiveArguments, add};
 use crate::devices::{DeviceName, kinds, names, open_for_world};
@@ -119,7 +117,7 @@ fn lane_opener(
             lacking_axes(&file.scene, &on).iter().for_each(tell);
         }
         let world = world.map_err(|error| match error {
-            NotRendered::World(faults) => Failure::input(&faults.first()),
+            NotRendered::World(faults) => Failure::input(faults.first()),
             NotRendered::Devices(error) => Failure::input(error),
         })?;
         let limits = on.iter().map(|on| on.limits);

@@ -71,16 +71,10 @@ fn of_device(raw: &RawDevice) -> Keys {
     let mut keys = vec![
         ("device.linkage", span(&raw.linkage)),
         ("device.safety_box", span(&raw.safety_box)),
-        ("device.noise_m", span(&raw.noise_m)),
-        ("device.hand.mass_kg", span(&raw.hand.mass_kg)),
-        ("device.hand.rest_file", span(&raw.hand.rest_file)),
-        ("device.hand.swing_m", span(&raw.hand.swing_m)),
-        ("device.hand.swing_hz", span(&raw.hand.swing_hz)),
-        ("device.hand.release_s", span(&raw.hand.release_s)),
         ("device.hand.force_at", span(&raw.hand.force_at)),
     ];
-    // Viscous friction is damping of the hand.
-    let of_drivetrain = raw.drivetrain.spans().into_iter().skip(1);
+    // Friction and the limit of the motors come first.
+    let of_drivetrain = raw.drivetrain.spans().into_iter().skip(3);
     keys.extend(of_drivetrain);
     keys
 }

@@ -17,7 +17,7 @@ fn a_device_says_which_axes_it_has() {
     let scene = scene.unwrap().scene;
     assert_eq!(scene.world.tools[0].axes, [true, false, true]);
     assert_eq!(scene.world.tools[0].names_of_axes(), "x and z");
-    let device = scene.devices[0];
+    let device = &scene.devices[0];
     assert_eq!(device.mass, [0.25, f64::INFINITY, 0.35]);
     assert_eq!(device.quantum, [1e-6, 0.0, 2e-6]);
     assert_eq!(scene.render.device_mass, [[0.375, f64::INFINITY, 0.375]]);

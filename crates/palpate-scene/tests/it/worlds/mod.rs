@@ -70,7 +70,7 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     assert_eq!(scene.timing.period, 0.001);
     assert_eq!(scene.timing.actuator().delay, 0.0005);
     assert_eq!(scene.timing.actuator.gain, 1.0);
-    let [device] = scene.devices[..] else {
+    let [device] = &scene.devices[..] else {
         panic!("one device")
     };
     assert_eq!(device.mass, [0.25, 0.3, 0.35]);
@@ -369,9 +369,9 @@ fn one_star_is_any_pair_and_other_words_say_what_is_allowed() {
 fn keys_of_one_contact_are_refused_in_a_world() {
     let after = |place: &str, keys: &str| BALL.replacen(place, &format!("{place}\n{keys}"), 1);
     for (place, keys) in [
-        ("quantum_m = 2e-6", "hand.release_s = 0.3"),
-        ("quantum_m = 2e-6", "noise_m = 1e-6"),
-        ("quantum_m = 2e-6", "drivetrain.coulomb_friction_n = 0.1"),
+        ("quantum_m = 2e-6", "hand.force_at = \"motors\""),
+        ("quantum_m = 2e-6", "drivetrain.cogging_n = 0.1"),
+        ("quantum_m = 2e-6", "drivetrain.resonance_hz = 80"),
         ("[render]", "slew_limit_n_per_s = 10"),
         ("[model]", "resonance_hz = 100"),
     ] {
@@ -386,7 +386,7 @@ fn keys_of_one_contact_are_refused_in_a_world() {
     }
     let along = said(&BALL.replace("mass_kg = 0.1", "mass_kg = 0.1\naxes = [\"z\"]"));
     assert!(along[0].contains("a body with `axes`"), "{along:?}");
-    // A viscous friction is damping of the hand; a part of a period is unknown to the model.
+    // A part of a period is unknown to the model.
     let works = after(
         "quantum_m = 2e-6",
         "drivetrain.viscous_friction_n_s_per_m = 0.5",
@@ -396,9 +396,68 @@ fn keys_of_one_contact_are_refused_in_a_world() {
         "delay_samples = 1\ndelay_fraction = 0.25",
     );
     let scene = WorldFile::parse("ball.toml", &works).unwrap().scene;
-    assert_eq!(scene.devices[0].hand.damping, 0.5);
+    assert_eq!(scene.devices[0].drivetrain.viscous_friction, 0.5);
     assert_eq!(scene.timing.actuator().delay, 0.00125);
     assert_eq!(scene.render.actuation.delay, 0.001);
+}
+
+/// A world reads the loop, the hand and the drivetrain of one contact, and names their faults.
+#[test]
+fn an_imperfect_loop_and_a_moving_hand_are_read() {
+    let with = |keys: &str, of_loop: &str| {
+        BALL.replace("quantum_m = 2e-6", &format!("quantum_m = 2e-6\n{keys}"))
+            .replace("delay_s = 0.0005", of_loop)
+    };
+    let source = with(
+        "noise_m = 1e-6\nhand.mass_kg = 0.2\nhand.swing_m = [0, 0, 0.01]\nhand.swing_hz = 2\n\
+         hand.release_s = 0.4\ndrivetrain.coulomb_friction_n = 0.1\ndrivetrain.motor_limit_n = 3",
+        "delay_samples = 1\njitter_s = 1e-4\njitter_deviation_s = 5e-5\ndrop_probability = 0.1\nseed = 3\n\
+         command_jitter_s = 2e-4\ncollapse = { from_s = 0.1, until_s = 0.2, period_s = 0.002 }",
+    );
+    let scene = WorldFile::parse("ball.toml", &source).unwrap().scene;
+    assert_eq!(scene.random_seed(), Some(3));
+    let timing = &scene.timing.imperfections;
+    assert_eq!(timing.shortest_period(0.003), 0.002);
+    assert_eq!(timing.command_jitter, 2e-4);
+    let (hand, drivetrain) = (&scene.devices[0].hand, scene.devices[0].drivetrain);
+    assert_eq!((hand.mass, hand.release), (0.2, Some(0.4)));
+    assert_eq!(hand.swing.unwrap().amplitude, [0.0, 0.0, 0.01]);
+    assert_eq!(
+        (drivetrain.coulomb_friction, drivetrain.largest_force),
+        (0.1, 3.0)
+    );
+    assert_eq!(drivetrain.noise, 1e-6);
+
+    for (keys, of_loop, words) in [
+        ("", "jitter_s = 6e-4", "jitter_s is 0.0006"),
+        ("", "drop_probability = 1.0", "drop_probability is 1"),
+        ("", "dropped_samples = [0]", "dropped_samples is 0"),
+        ("", "delay_samples = 2000", "delay_samples is 2000"),
+        (
+            "",
+            "jitter_deviation_s = 1e-4",
+            "jitter_deviation_s needs jitter_s",
+        ),
+        (
+            "hand.swing_hz = 2",
+            "",
+            "a swing needs both swing_m and swing_hz",
+        ),
+        ("hand.rest_file = \"no.csv\"", "", "no.csv cannot be read"),
+        ("hand.mass_kg = -1", "", "hand.mass_kg is -1"),
+        (
+            "drivetrain.motor_limit_n = 0",
+            "",
+            "drivetrain.motor_limit_n is 0",
+        ),
+        ("noise_m = -1", "", "noise_m is -1"),
+    ] {
+        let said = said(&with(keys, of_loop));
+        assert!(
+            said.len() == 1 && said[0].contains(words),
+            "{keys}{of_loop}: {said:?}"
+        );
+    }
 }
 
 #[test]

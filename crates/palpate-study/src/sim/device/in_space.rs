@@ -11,15 +11,15 @@ use palpate_scene::world::{WorldActuator, WorldDevice};
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::Actuator;
 use palpate_testbed::device::DevicePlant as Moved;
-use palpate_testbed::hand::{Hand, Intention, Sinusoid};
 use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::hold::DelayedHold;
-use palpate_testbed::measure::Sampler;
+use palpate_testbed::measure::{Sampler, SensorNoise};
 use palpate_testbed::world::HeldTurning;
 
 use super::turning_pointer::{TurningPointer, TurningWish};
 use super::{PointerDevice, PointerHand, PointerParams};
-use crate::sim::world::reference_turning;
+use crate::sim::plant::noisy;
+use crate::sim::world::{reference_point, reference_turning};
 
 /// Most forces that begin later: those of the longest delay that a scene can state.
 const MAX_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
@@ -55,6 +55,7 @@ enum Axis {
         mass: Box<HeldMass>,
         motor: Actuator,
         sensor: Sampler,
+        noise: SensorNoise,
     },
     /// The device lacks it: its mechanism holds it at this place `[m]`.
     Stays(f64),
@@ -68,9 +69,14 @@ impl Axis {
         }
     }
 
-    fn measured(&self) -> f64 {
+    fn measured(&mut self) -> f64 {
         match self {
-            Self::Moves { mass, sensor, .. } => sensor.sample(mass.position()),
+            Self::Moves {
+                mass,
+                sensor,
+                noise,
+                ..
+            } => sensor.sample(noisy(mass.position(), noise.draw())),
             Self::Stays(position) => *position,
         }
     }
@@ -94,34 +100,16 @@ impl<C: Clock> SpatialDevice<C> {
         let turning = turning
             .map(|turning| HeldTurning::checked(&turning, motors))
             .transpose()?;
+        let held = reference_point("", device);
         let axis = |number: usize| -> Result<Axis, InvalidParameter> {
-            let hand = &device.hand;
-            let own = |vector: Vector| device.own(vector)[number];
-            let (force, mass) = (own(hand.force), device.mass[number]);
-            if mass == f64::INFINITY {
-                return Ok(Axis::Stays(own(device.position)));
+            if device.mass[number] == f64::INFINITY {
+                return Ok(Axis::Stays(device.own(device.position)[number]));
             }
-            let tremor = (hand.tremor.amplitude > 0.0).then(|| Sinusoid {
-                amplitude: hand.tremor.amplitude,
-                frequency_hz: hand.tremor.frequency_hz,
-                phase: -std::f64::consts::TAU * number as f64 / 3.0,
-            });
-            let hand = if hand.stiffness > 0.0 || hand.damping > 0.0 {
-                Hand::Impedance {
-                    mass: 0.0,
-                    stiffness: hand.stiffness,
-                    damping: hand.damping,
-                    intention: Intention::constant(own(hand.rest)),
-                    force,
-                    tremor,
-                }
-            } else {
-                Hand::ConstantForce { force, tremor }
-            };
-            let mass = HeldMass::new(mass, hand)?
-                .starting_at(own(device.position), own(device.velocity))?;
+            let mass = held.held_along(number)?;
+            let limited = mass.with_largest_force(device.drivetrain.largest_force)?;
             Ok(Axis::Moves {
-                mass: Box::new(mass),
+                mass: Box::new(limited),
+                noise: SensorNoise::normal(device.drivetrain.noise, number as u64)?,
                 motor: Actuator::new(motors)?,
                 sensor: sensor(device.quantum[number])?,
             })
@@ -129,7 +117,7 @@ impl<C: Clock> SpatialDevice<C> {
         Ok(Self {
             clock,
             capabilities: capabilities("simulated", device),
-            device: *device,
+            device: device.clone(),
             axes: [axis(0)?, axis(1)?, axis(2)?],
             turning,
             moved_until: None,
@@ -205,7 +193,7 @@ impl<C: Clock> Device for SpatialDevice<C> {
 
     fn read(&mut self) -> Result<Pose, DeviceError> {
         let time = self.move_on();
-        let position = self.device.out(self.axes.each_ref().map(Axis::measured));
+        let position = self.device.out(self.axes.each_mut().map(Axis::measured));
         Ok(Pose {
             orientation: self.turning.as_ref().map(HeldTurning::measured),
             ..Pose::at(position, time)
@@ -263,13 +251,14 @@ impl SpatialHand {
 
     /// The device that it holds, where one is known.
     fn device(&self) -> Option<WorldDevice> {
-        *self.device.lock().unwrap_or_else(PoisonError::into_inner)
+        let device = self.device.lock();
+        device.unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Holds this device from now on, where it wanted to hold one.
     fn take(&self, device: &WorldDevice) {
         let target = self.target();
-        *self.device.lock().unwrap_or_else(PoisonError::into_inner) = Some(*device);
+        *self.device.lock().unwrap_or_else(PoisonError::into_inner) = Some(device.clone());
         if let Some(target) = target {
             self.move_to(target);
         }
@@ -373,7 +362,7 @@ impl<C: Clock> SpatialPointer<C> {
         Ok(Self {
             capabilities: capabilities("pointer", device),
             hand: hand.clone(),
-            device: *device,
+            device: device.clone(),
             axes: [axis(0)?, axis(1)?, axis(2)?],
             turning,
         })

@@ -37,7 +37,7 @@ fn turned_by_a_hand(
     let text = PLATE.replace("[1e-4, 2e-4, 3e-4]", inertia);
     let scene = WorldFile::parse("plate.toml", &text).unwrap().scene;
     let clock = SteppedClock::new();
-    let actuator = &scene.timing.actuator;
+    let actuator = &scene.timing.actuator();
     let device = SpatialPointer::new(&scene.devices[0], actuator, hand, clock.clone()).unwrap();
     (device, clock)
 }
@@ -120,7 +120,7 @@ fn a_hand_too_stiff_for_its_device_is_refused() {
     let hand = "inertia_kg_m2 = [1e-4, 1e-4, 1e-9]\nhand.rotational_stiffness_n_m_per_rad = 2.0";
     let text = PLATE.replace("inertia_kg_m2 = [1e-4, 2e-4, 3e-4]", hand);
     let scene = WorldFile::parse("plate.toml", &text).unwrap().scene;
-    let actuator = &scene.timing.actuator;
+    let actuator = &scene.timing.actuator();
     let clock = SteppedClock::new();
     let simulated = SpatialDevice::new(&scene.devices[0], actuator, clock.clone()).unwrap_err();
     let hand = SpatialHand::at([0.0; 3]);
@@ -143,7 +143,7 @@ fn a_pointer_s_hand_turns_a_device_of_six_axes() {
     let scene = WorldFile::parse("plate.toml", PLATE).unwrap().scene;
     let clock = SteppedClock::new();
     let hand = SpatialHand::at([0.0; 3]);
-    let actuator = &scene.timing.actuator;
+    let actuator = &scene.timing.actuator();
     let mut device =
         SpatialPointer::new(&scene.devices[0], actuator, &hand, clock.clone()).unwrap();
     assert_eq!(device.capabilities().torque_axes, 3);
@@ -209,9 +209,9 @@ stiffness_n_per_m = 1000.0
 #[test]
 fn a_force_moves_a_device_with_axes_of_its_own_as_its_mobility_says() {
     let scene = WorldFile::parse("oblique.toml", OBLIQUE).unwrap().scene;
-    let own = scene.devices[0];
+    let own = scene.devices[0].clone();
     let clock = SteppedClock::new();
-    let mut device = SpatialDevice::new(&own, &scene.timing.actuator, clock.clone()).unwrap();
+    let mut device = SpatialDevice::new(&own, &scene.timing.actuator(), clock.clone()).unwrap();
     device.read().unwrap();
     let force = [0.3, -0.2, 0.5];
     device.write(Wrench::of_force(force)).unwrap();
@@ -238,7 +238,7 @@ fn a_pointer_s_hand_leads_a_device_with_axes_of_its_own() {
     let scene = WorldFile::parse("oblique.toml", OBLIQUE).unwrap().scene;
     let clock = SteppedClock::new();
     let hand = SpatialHand::at(scene.devices[0].position);
-    let actuator = &scene.timing.actuator;
+    let actuator = &scene.timing.actuator();
     let mut device =
         SpatialPointer::new(&scene.devices[0], actuator, &hand, clock.clone()).unwrap();
     let near = |one: Vector, other: Vector| {

@@ -83,14 +83,8 @@ fn reference_joint(joint: &Joint, bodies: &[Body]) -> reference::WorldJoint {
 }
 
 fn reference_device(tool: &Tool, device: &WorldDevice) -> reference::WorldDevice {
-    let hand = &device.hand;
     reference::WorldDevice {
-        name: tool.name.clone(),
-        own_axes: device.own_axes,
         mass_table: tool.mass_table.as_deref().map(reference_masses),
-        mass: device.mass,
-        position: device.position,
-        velocity: device.velocity,
         tool: match &tool.shape {
             Shape::Spheres { spheres } => reference::Tool::Spheres(
                 spheres
@@ -103,15 +97,35 @@ fn reference_device(tool: &Tool, device: &WorldDevice) -> reference::WorldDevice
             ),
             solid => reference::Tool::Solid(reference_shape(solid)),
         },
+        ..reference_point(&tool.name, device)
+    }
+}
+
+/// Converts a device with a point as its tool and a constant mass.
+pub(crate) fn reference_point(name: &str, device: &WorldDevice) -> reference::WorldDevice {
+    let hand = &device.hand;
+    reference::WorldDevice {
+        name: name.to_owned(),
+        own_axes: device.own_axes,
+        mass_table: None,
+        mass: device.mass,
+        position: device.position,
+        velocity: device.velocity,
+        tool: reference::Tool::sphere(0.0),
         turning: device.turning.as_ref().map(reference_turning),
         hand: reference::WorldHand {
             force: hand.force,
             stiffness: hand.stiffness,
             damping: hand.damping,
             rest: hand.rest,
+            swing: hand.swing,
+            path: hand.path.clone(),
+            mass: hand.mass,
+            release: hand.release,
             tremor: reference_tremor(&hand.tremor),
         },
         quantum: device.quantum,
+        drivetrain: device.drivetrain,
     }
 }
 

@@ -18,7 +18,7 @@ use palpate_world::{
 };
 
 pub use evaluated::as_evaluated;
-pub(crate) use evaluated::reference_turning;
+pub(crate) use evaluated::{reference_point, reference_turning};
 pub use rendered::as_rendered;
 
 /// Most periods of a window.
@@ -31,6 +31,8 @@ const AT_END: f64 = 1e-6;
 pub struct WorldBench {
     evaluated: palpate_testbed::world::WorldScene,
     actuator: ActuatorParams,
+    /// Seed of the noise of the sensors.
+    seed: u64,
     timeline: Timeline,
     ideal: WorldIdeal,
     check: Option<SelfCheck>,
@@ -274,6 +276,7 @@ impl WorldBench {
         Ok(Self {
             evaluated,
             actuator: scene.timing.actuator,
+            seed: scene.timing.imperfections.seed,
             timeline,
             check: Some(SelfCheck {
                 error: checked.error,
@@ -295,6 +298,7 @@ impl WorldBench {
         Self {
             evaluated,
             actuator: ActuatorParams::default(),
+            seed: 0,
             timeline,
             ideal,
             check: None,
@@ -328,6 +332,7 @@ impl WorldBench {
         let params = PlantParams {
             period: self.ideal.grid.period(),
             actuator: self.actuator,
+            seed: self.seed,
         };
         let mut plant = match &self.path {
             Some(path) => WorldPlant::new(&path.unmoved(&self.evaluated), params)?,
@@ -336,13 +341,13 @@ impl WorldBench {
         let mut state = renderer.start();
         let mut run = WorldRun::before(method);
         let guard_limits = matches!(renderer.loop_params().guard, WorldGuard::Limit(_));
-        let samples = self.samples();
+        let (samples, is_limited) = (self.samples(), plant.has_limits());
         for stretch in self.timeline.stretches() {
             if let Some(index) = stretch.sample {
                 let Some(taken) = samples.get(index) else {
                     break;
                 };
-                let (measured, turned) = self.take_poses(&plant, taken.time, &mut run);
+                let (measured, turned) = self.take_poses(&mut plant, taken.time, &mut run);
                 let sample = Sample::at(&measured).turned(&turned);
                 let is_first = index == 0;
                 // Nothing was measured before the first sample.
@@ -353,6 +358,12 @@ impl WorldBench {
                 };
                 let output = renderer.step(&mut state, &sample);
                 run.add_output(&output, taken.time, guard_limits);
+                if is_limited {
+                    for (tool, force) in run.commanded[index].iter().enumerate() {
+                        let sent = plant.given_force(tool, *force);
+                        renderer.report_sent(&mut state, tool, sent);
+                    }
+                }
                 run.add_gone_through(&state, renderer, taken.time);
                 if is_first {
                     run.found_at_start = state.created_at_ports();
@@ -384,7 +395,7 @@ impl WorldBench {
     /// orientations.
     fn take_poses(
         &self,
-        plant: &WorldPlant,
+        plant: &mut WorldPlant,
         time: f64,
         run: &mut WorldRun,
     ) -> (Vec<Vector>, Vec<Quaternion>) {

@@ -112,6 +112,7 @@ impl Scene {
                 name: "tool".to_owned(),
                 own_axes: None,
                 mass_table: None,
+                drivetrain: palpate_testbed::world::Drivetrain::default(),
                 mass: DEVICE_MASS,
                 position: start,
                 velocity: [0.0; 3],

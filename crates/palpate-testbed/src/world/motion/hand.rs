@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::Placed;
-use crate::world::scene::{WorldDevice, WorldHand};
+use crate::world::hand::WorldHand;
+use crate::world::scene::WorldDevice;
 use crate::world::vector::Vec3;
 
 /// Relative tolerance on the largest friction of a device that is stuck.

@@ -1,8 +1,6 @@
 //! The right-hand side of the equations of motion.
 
-use super::{
-    Condition, Instant, Mode, Rigid, System, TURNED_WITHIN, hand_force, quaternion, slip_direction,
-};
+use super::{Condition, Instant, Mode, Rigid, System, TURNED_WITHIN, quaternion, slip_direction};
 use crate::world::vector::{Vec3, quaternion_rate};
 
 impl System {
@@ -35,13 +33,14 @@ impl System {
                 .linear
                 .write(&mut rates[place + 3..]);
             let sums = layout.device_sums(number);
+            let by_hand = now.grasps[number].force(device, time, placed, force);
             let force = device.along_its_axes(force);
             force.write(&mut rates[sums..]);
             Vec3(force.0.map(|f| f * f)).write(&mut rates[sums + 3..]);
-            rates[sums + 6] = hand_force(device, time, placed).dot(placed.velocity);
+            rates[sums + 6] = by_hand.dot(placed.velocity);
             if let Some(turning) = &device.turning {
                 let q = quaternion(&state[place + 6..]);
-                let by_hand = turning.hand_torque(time, q, placed.turning);
+                let by_hand = now.hand_torque(number, turning, (time, q));
                 let torque = turning.of_contacts(now.torques[number]);
                 // The hand takes up the remaining torque.
                 let taken_up = torque - now.torques[number];

@@ -130,7 +130,7 @@ fn in_a_hand() -> WorldScene {
         stiffness: 40.0,
         damping: 1.0,
         rest: [0.0, 0.01, 0.0],
-        tremor: Default::default(),
+        ..WorldHand::default()
     };
     scene
 }

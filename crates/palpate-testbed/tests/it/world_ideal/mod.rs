@@ -10,6 +10,7 @@ mod closed_forms;
 mod conservation;
 mod cylinders;
 mod friction;
+mod hands;
 mod joints;
 mod linkages;
 mod one_dimension;
@@ -30,6 +31,7 @@ fn device(mass: f64, position: Vector) -> WorldDevice {
         name: "tool".into(),
         own_axes: None,
         mass_table: None,
+        drivetrain: palpate_testbed::world::Drivetrain::default(),
         mass: [mass; 3],
         position,
         velocity: [0.0; 3],

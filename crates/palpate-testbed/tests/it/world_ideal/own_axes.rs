@@ -47,6 +47,7 @@ fn scene(masses: Vector) -> WorldScene {
         damping: 1.5,
         rest: [0.001, 0.003, 0.03],
         tremor: [vec![sine(0.1, 9.0)], vec![], vec![sine(0.05, 11.0)]],
+        ..WorldHand::default()
     };
     if masses[1].is_infinite() {
         tool.hand.tremor[1].clear();

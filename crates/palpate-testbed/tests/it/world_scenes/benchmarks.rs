@@ -180,6 +180,7 @@ fn read(file: &toml::Table) -> (WorldScene, f64, f64) {
             name: name(device),
             own_axes: None,
             mass_table: None,
+            drivetrain: palpate_testbed::world::Drivetrain::default(),
             mass: vector(&device["mass_kg"]),
             position: vector(&device["position_m"]),
             velocity: [0.0; 3],
