@@ -23,6 +23,10 @@ pub(super) struct Touch {
     pub missed: f64,
     /// Force on the tool `[N]`.
     pub force: Vector3,
+    /// Part of the normal force due to damping `[N]`.
+    by_damping: f64,
+    /// Fraction of the elastic force that a force limit leaves.
+    elastic_scale: f64,
     /// Velocity of the tool relative to the body at the contact point `[m/s]`.
     pub relative: Vector3,
     slid: Vector3,
@@ -50,6 +54,8 @@ impl Touch {
             expected: 0.0,
             missed: 0.0,
             force: none,
+            by_damping: 0.0,
+            elastic_scale: 1.0,
             relative: none,
             slid: none,
             impulse: none,
@@ -78,7 +84,24 @@ impl Touch {
     }
 
     pub fn stored(&self, law: &PointLaw) -> f64 {
-        law.stored(self.penetration, &self.bristle)
+        let scale = self.elastic_scale;
+        law.stored(self.penetration, &self.bristle) * (scale * (2.0 - scale))
+    }
+
+    /// Returns the part of the force on the tool due to damping `[N]`.
+    pub fn damping_force(&self) -> Vector3 {
+        self.normal * self.by_damping + self.by_rubbing
+    }
+
+    /// Scales the elastic force and the total force.
+    pub fn scale(&mut self, [elastic, total]: [f64; 2]) {
+        self.elastic_scale *= elastic;
+        let normal_spring = self.normal_force - self.by_damping;
+        let across = self.force - self.normal * self.normal_force;
+        self.by_damping = total * self.normal_force - elastic * normal_spring;
+        self.by_rubbing = across * total - (across - self.by_rubbing) * elastic;
+        self.normal_force *= total;
+        self.force *= total;
     }
 
     /// Updates the force for an overlap of `penetration` `[m]` with an expected `rate` `[m/s]`, an additional slip
@@ -95,6 +118,9 @@ impl Touch {
         self.penetration = penetration;
         self.expected = rate;
         self.normal_force = law.normal_force(penetration, rate + self.missed);
+        self.by_damping = self.normal_force - law.stiffness * penetration;
+        // A limit scales the new force.
+        let scale = core::mem::replace(&mut self.elastic_scale, 1.0);
         let mut bristle = Vector3::zeros();
         if law.friction > 0.0 {
             let before = carried(self.bristle, &from, &normal);
@@ -102,7 +128,7 @@ impl Touch {
             let follows = before + slid + way - normal * normal.dot(way);
             let cut = law.cut(follows, self.normal_force);
             let torn = (before + cut.bristle).dot(&(follows - cut.bristle));
-            self.dissipated += (0.5 * law.friction_stiffness * torn).max(0.0);
+            self.dissipated += (0.5 * law.friction_stiffness * torn * scale).max(0.0);
             (bristle, self.mode) = (cut.bristle, cut.mode);
         } else {
             self.mode = law.cut(bristle, self.normal_force).mode;
@@ -111,6 +137,7 @@ impl Touch {
         self.bristle = bristle;
         self.normal = normal;
         self.force = normal * self.normal_force - bristle * law.friction_stiffness;
+        self.by_rubbing = Vector3::zeros();
         if law.friction_damping > 0.0 {
             let across = expected - normal * normal.dot(expected);
             self.by_rubbing = law.bristle_damping(&bristle, &across, self.normal_force);
@@ -120,27 +147,26 @@ impl Touch {
 
     /// Separates the surfaces. The energy stored in the bristle is lost.
     pub fn part(&mut self, law: &PointLaw) {
+        self.penetration = 0.0;
+        let lost = self.stored(law);
         *self = Self {
             impulse: self.impulse,
             work: self.work,
             work_on_proxy: self.work_on_proxy,
-            dissipated: self.dissipated + law.stored(0.0, &self.bristle),
+            dissipated: self.dissipated + lost,
             ..Self::apart()
         };
     }
 
     /// Adds half a sub-step under the force to the sums. `relative` is the tool's velocity relative to the body at
     /// its end; `proxy` is the mean velocity of the proxy.
-    pub fn entry(&mut self, law: &PointLaw, relative: &Vector3, proxy: &Vector3, half: f64) {
+    pub fn entry(&mut self, relative: &Vector3, proxy: &Vector3, half: f64) {
         let impulse = self.force * half;
         self.impulse += impulse;
         self.work += 0.5 * impulse.dot(&(self.relative + relative));
         self.work_on_proxy += impulse.dot(proxy);
-        let by_damping = self.normal_force - law.stiffness * self.penetration;
-        self.dissipated += (-half * by_damping * self.normal.dot(relative)).max(0.0);
-        if law.friction_damping > 0.0 {
-            self.dissipated += (-half * self.by_rubbing.dot(relative)).max(0.0);
-        }
+        self.dissipated += (-half * self.by_damping * self.normal.dot(relative)).max(0.0);
+        self.dissipated += (-half * self.by_rubbing.dot(relative)).max(0.0);
     }
 
     /// Stores the error of the expected approach speed, given the actual `rate` at the end of the sub-step `[m/s]`.

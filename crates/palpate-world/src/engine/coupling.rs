@@ -16,6 +16,7 @@ use crate::dynamics::ledger::CreatedAtPorts;
 use crate::dynamics::moving_body::{Drive, Part};
 use crate::geometry::rigid::{Mobility, Rigid, Rotation, Vector3};
 use crate::integration::interval::MAX_TIMES;
+use crate::integration::yielding::ForceLimit;
 use crate::method::coupled::{Coupled, MIN_FORCE};
 use crate::{
     ContactLedger, CoupledParams, Effort, Limited, Mode, Sample, Tool, ToolState, Vector,
@@ -79,6 +80,7 @@ impl Coupling {
             impulses: vec![Vector3::zeros(); tools],
             images: vec![Image::nowhere(); bodies],
             touches: vec![Touch::apart(); pairs.len()],
+            limits: ForceLimit::each(&self.loop_params, &self.coupled.axes),
             expects_the_missed: false,
         };
         let devices = self.coupled.priors.iter();
@@ -381,7 +383,9 @@ impl Coupling {
                 lead,
                 held,
                 touched,
+                has_yielded: state.meeting.has_yielded(tool),
             });
+            state.limited.force |= state.meeting.has_yielded(tool);
             state.intended[tool] = intended;
             let mut sent = intended;
             let norm = intended.norm();
@@ -430,6 +434,7 @@ impl TrackedDevice {
     /// planned period, the mean contact force is extended or shortened with the held force. Otherwise a late tick
     /// would leave the proxy with a part of the hand's impulse that no contact has absorbed.
     fn conclude(&mut self, period: &Period, elapsed: f64) {
+        self.proxy.was_limited |= period.has_yielded;
         for axis in 0..3 {
             let known = self.observers[axis].motion;
             let apart = AxisMotion {

@@ -6,6 +6,7 @@ use super::pairs::{Pair, Toucher};
 use crate::dynamics::moving_body::Part;
 use crate::geometry::rigid::Vector3;
 use crate::integration::interval::{Fastest, SubStepped, integrate, whole};
+use crate::integration::yielding::ForceLimit;
 use crate::{Effort, MAX_POINTS, SubSteps};
 
 /// Proxies and images in motion.
@@ -18,6 +19,8 @@ pub(super) struct Meeting {
     pub impulses: Vec<Vector3>,
     pub images: Vec<Image>,
     pub touches: Vec<Touch>,
+    /// Force limits of the tools; empty if there are none.
+    pub limits: Vec<ForceLimit>,
     /// Whether contact dampers add the prediction error of the last sub-step to the velocity that they expect.
     pub expects_the_missed: bool,
 }
@@ -27,6 +30,9 @@ impl Meeting {
     pub fn begin(&mut self) {
         for touch in &mut self.touches {
             touch.begin();
+        }
+        for limit in &mut self.limits {
+            limit.has_acted = false;
         }
         self.leads.fill(Vector3::zeros());
         self.impulses.fill(Vector3::zeros());
@@ -67,7 +73,7 @@ impl Meeting {
             let mean = tool.map_or(Vector3::zeros(), |tool| {
                 tool.rigid.velocity - tool.gained * 0.5
             });
-            touch.entry(&pair.law, &relative, &mean, half);
+            touch.entry(&relative, &mean, half);
             touch.relative = relative;
         }
     }
@@ -112,6 +118,42 @@ impl Meeting {
                 Toucher::Body { body, .. } => {
                     image.pushed_otherwise_at(&-touch.force, &touch.place);
                     self.images[body].pushed_otherwise_at(&touch.force, &touch.place);
+                }
+            }
+        }
+        self.yield_to_limits(pairs);
+    }
+
+    /// Returns whether the force limit of a tool acted since the period began.
+    pub fn has_yielded(&self, tool: usize) -> bool {
+        self.limits.get(tool).is_some_and(|limit| limit.has_acted)
+    }
+
+    /// Scales the contacts of each tool whose elastic force or total force exceeds its limit.
+    fn yield_to_limits(&mut self, pairs: &[Pair]) {
+        for (tool, limit) in self.limits.iter_mut().enumerate() {
+            let mut elastic = Vector3::zeros();
+            let mut is_along = true;
+            for (touch, pair) in self.touches.iter().zip(pairs) {
+                if pair.toucher.is_tool(tool) && !touch.is_apart() {
+                    elastic += touch.force - touch.damping_force();
+                    is_along &= limit.is_along(&touch.normal);
+                }
+            }
+            let part = &mut self.tools[tool];
+            if !is_along {
+                continue;
+            }
+            let Some(scales) = limit.scales(&elastic, &part.force) else {
+                continue;
+            };
+            for (touch, pair) in self.touches.iter_mut().zip(pairs) {
+                if pair.toucher.is_tool(tool) && !touch.is_apart() {
+                    let before = touch.force;
+                    touch.scale(scales);
+                    let change = touch.force - before;
+                    part.load(&change, &touch.place);
+                    self.images[pair.body].pushed_at(&-change, &touch.place);
                 }
             }
         }

@@ -66,8 +66,9 @@ pub(super) struct Period {
     pub lead: Vector3,
     /// Force to be held on the device `[N]`.
     pub held: Vector3,
-    /// Whether the tool was touched.
+    /// Whether the tool was touched, and whether its force limit acted.
     pub touched: bool,
+    pub has_yielded: bool,
 }
 
 impl TrackedDevice {

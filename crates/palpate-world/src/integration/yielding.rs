@@ -5,6 +5,7 @@
 //! For springs of one direction this is the potential `(2 s - s^2) V` of springs with the energy V, whose force is
 //! scaled by s.
 
+use crate::WorldLoop;
 use crate::contact::pairs::Point;
 use crate::geometry::axes::Axes;
 use crate::geometry::rigid::Vector3;
@@ -26,6 +27,33 @@ pub(crate) struct ForceLimit {
 }
 
 impl ForceLimit {
+    /// Returns the limits of a loop whose tools have these axes.
+    pub fn each(loop_params: &WorldLoop, axes: &[Axes]) -> Vec<Self> {
+        let actuation = &loop_params.actuation;
+        let limits = loop_params.force_limits.iter().zip(axes);
+        let of_tool = limits.map(|(&limit, &axes)| Self {
+            // Both the command and the delivered force are limited.
+            force: actuation.gain * limit / actuation.limit_gain(),
+            axes,
+            has_acted: false,
+        });
+        of_tool.collect()
+    }
+
+    /// Returns whether the device acts along the whole of a contact's normal.
+    pub fn is_along(&self, normal: &Vector3) -> bool {
+        self.axes.across(normal).norm_squared() < ALONG
+    }
+
+    /// Returns the fractions of the elastic and of the total contact force on the tool that are left, if the limit
+    /// acts.
+    pub fn scales(&mut self, elastic: &Vector3, total: &Vector3) -> Option<[f64; 2]> {
+        let scales = [elastic, total].map(|force| self.scale(force));
+        let acts = scales.iter().any(|scale| *scale < 1.0);
+        self.has_acted |= acts;
+        acts.then_some(scales)
+    }
+
     /// Returns the fraction of a force that is within the limit.
     fn scale(&self, force: &Vector3) -> f64 {
         let norm = self.axes.along(force).norm();
@@ -56,17 +84,14 @@ impl Moving {
                     && !touch.is_apart()
                 {
                     elastic += (touch.force - touch.damping_force()) * sign;
-                    is_along &= limit.axes.across(&touch.normal).norm_squared() < ALONG;
+                    is_along &= limit.is_along(&touch.normal);
                 }
             }
             if !is_along {
                 continue;
             }
-            let elastic = limit.scale(&elastic);
-            let total = limit.scale(&self.parts[tool].force);
-            if elastic < 1.0 || total < 1.0 {
-                self.limits[tool].has_acted = true;
-                self.scale_contacts(points, tool, [elastic, total]);
+            if let Some(scales) = self.limits[tool].scales(&elastic, &self.parts[tool].force) {
+                self.scale_contacts(points, tool, scales);
             }
         }
     }

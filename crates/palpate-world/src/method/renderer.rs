@@ -231,16 +231,8 @@ impl WorldRenderer {
 
     /// Returns the force limits that the motion of proxies includes. A tool that is fixed between samples has none.
     fn limits_in_motion(&self) -> Vec<ForceLimit> {
-        let actuation = &self.loop_params.actuation;
-        let of_tool = |(&limit, &axes)| ForceLimit {
-            // Both the command and the delivered force are limited.
-            force: actuation.gain * limit / actuation.limit_gain(),
-            axes,
-            has_acted: false,
-        };
-        let limits = self.loop_params.force_limits.iter().zip(&self.axes);
         if self.method.yields_to_limits() {
-            limits.map(of_tool).collect()
+            ForceLimit::each(&self.loop_params, &self.axes)
         } else {
             Vec::new()
         }

@@ -1,12 +1,15 @@
 //! A hand presses a tool steadily on a plane or a body: effect of a force limit or a model deviation at rest.
 
 use palpate_core::Actuation;
+use palpate_world::engine::local::{LocalContact, LocalParams, LocalRenderer};
+use palpate_world::engine::{BodyNow, BodyWrench, EngineBody, EngineRenderer, Stepping};
 use palpate_world::{
     Body, ContactLaw, CoupledParams, Free, Motion, Sample, Shape, Vector, World, WorldLoop,
     WorldRenderer,
 };
 
 use crate::common::{plane, world};
+use crate::engine::still;
 
 const PERIOD: f64 = 0.001;
 const MASS: f64 = 0.2;
@@ -68,17 +71,90 @@ impl Pressed {
         world(RADIUS, vec![body], law)
     }
 
-    /// Returns the smallest and largest force on the device in the last second `[N]`, and the energy generated in it
-    /// `[J]`.
-    fn last_second(&self) -> [f64; 3] {
-        let loop_params = WorldLoop {
+    fn loop_params(&self) -> WorldLoop {
+        WorldLoop {
             actuation: self.actuation,
             speed_limit: None,
             ..WorldLoop::new(PERIOD).with_force_limits(self.force_limit.into_iter().collect())
-        };
-        let params = CoupledParams::new(vec![[MASS; 3]]);
-        let renderer = WorldRenderer::new(&self.world(), loop_params, params).unwrap();
+        }
+    }
+
+    /// Returns the smallest and largest force on the device in the last second `[N]`, and the energy generated in it
+    /// `[J]`.
+    fn last_second(&self) -> [f64; 3] {
+        let renderer = WorldRenderer::new(&self.world(), self.loop_params(), params()).unwrap();
         let mut state = renderer.start();
+        self.last_second_of(|x| {
+            let output = renderer.step(&mut state, &Sample::at(&[x]));
+            assert_eq!(output.fault, None, "{self:?}");
+            (output.forces[0], state.created_at_ports())
+        })
+    }
+
+    /// Returns the same for a plane or body of another engine, which performs two steps per period.
+    fn last_second_with_an_engine(&self) -> [f64; 3] {
+        let World { tools, bodies, .. } = self.world();
+        let law = ContactLaw::spring(self.stiffness()).with_friction(self.friction);
+        let body = EngineBody {
+            law,
+            ..still("body", bodies[0].shape.clone())
+        };
+        let stepping = Stepping::EndVelocity;
+        let renderer =
+            EngineRenderer::new(&tools, &[body], stepping, self.loop_params(), params()).unwrap();
+        let mut state = renderer.start();
+        let mut now = BodyNow::fixed(bodies[0].position);
+        let mobility = self.by_body / (self.stiffness() * PERIOD * PERIOD);
+        for axis in 0..3 {
+            now.mobility[axis][axis] = mobility;
+        }
+        now.acceleration[2] = mobility * self.push;
+        let mut wrench = [BodyWrench::default()];
+        let h = 0.5 * PERIOD;
+        self.last_second_of(|x| {
+            renderer.sample(&mut state, &Sample::at(&[x]));
+            for _ in 0..2 {
+                renderer.advance(&mut state, h, &[now], &mut wrench);
+                for axis in 0..3 {
+                    let a = now.acceleration[axis] + mobility * wrench[0].force[axis];
+                    now.velocity[axis] += h * a;
+                    now.position[axis] += h * now.velocity[axis];
+                }
+            }
+            let output = renderer.hold(&mut state);
+            assert_eq!(output.fault, None, "{self:?}");
+            (output.forces[0], state.created_at_ports())
+        })
+    }
+
+    /// Returns the same for a plane that a slow host sends as a local model.
+    fn last_second_with_a_local_model(&self) -> [f64; 3] {
+        let World { tools, .. } = self.world();
+        let law = ContactLaw::spring(self.stiffness()).with_friction(self.friction);
+        let params = params();
+        let renderer =
+            LocalRenderer::new(&tools, LocalParams::new(0, 1), self.loop_params(), params).unwrap();
+        let mut state = renderer.start();
+        let normal = [0.0, 0.0, 1.0];
+        let mut tick = 0;
+        self.last_second_of(|x| {
+            let model = (tick % 20 == 0).then(|| {
+                let gap = x[2] - RADIUS;
+                let floor = LocalContact::at_gap((0, x, RADIUS), None, gap, normal, law);
+                renderer
+                    .model(state.progress().tick, &[], &[Some(floor)])
+                    .unwrap()
+            });
+            tick += 1;
+            let output = renderer.step(&mut state, &Sample::at(&[x]), model.as_ref());
+            assert_eq!((output.fault, output.refusal), (None, None), "{self:?}");
+            (output.forces[0], state.created_at_ports())
+        })
+    }
+
+    /// Returns the same for a renderer that returns the force for a position, and the energy generated since the start
+    /// `[J]`.
+    fn last_second_of(&self, mut render: impl FnMut(Vector) -> (Vector, f64)) -> [f64; 3] {
         let mut x: Vector = [0.0, 0.0, RADIUS + 0.1 * self.push / self.stiffness()];
         let mut v: Vector = [0.0; 3];
         let hand = [self.aside, 0.0, -self.push];
@@ -87,18 +163,19 @@ impl Pressed {
         let h = PERIOD / f64::from(parts);
         let mut commands = vec![[0.0; 3]];
         let mut felt: Vector = [0.0; 3];
-        let (mut least, mut largest, mut created) = (f64::INFINITY, 0.0_f64, 0.0);
+        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
+        let (mut before, mut after) = (0.0, 0.0);
         let ticks = (self.seconds / PERIOD) as usize;
         for tick in 0..ticks {
             if tick == 1000 {
                 x[2] += self.tap;
             }
-            let output = renderer.step(&mut state, &Sample::at(&[x]));
-            assert_eq!(output.fault, None, "{self:?}");
-            commands.push(output.forces[0]);
+            let (force, created) = render(x);
+            commands.push(force);
             if tick + 1000 == ticks {
-                created = state.created_at_ports();
+                before = created;
             }
+            after = created;
             if tick + 1000 >= ticks {
                 least = least.min(felt[2]);
                 largest = largest.max(felt[2]);
@@ -128,7 +205,7 @@ impl Pressed {
                 }
             }
         }
-        [least, largest, state.created_at_ports() - created]
+        [least, largest, after - before]
     }
 
     /// Returns the smallest and largest force for the ideal contact without friction: a spring with a limited force,
@@ -165,6 +242,10 @@ impl Pressed {
         }
         [least, largest]
     }
+}
+
+fn params() -> CoupledParams {
+    CoupledParams::new(vec![[MASS; 3]])
 }
 
 /// Returns the results for all cases, computed by as many threads as the machine has.
@@ -220,6 +301,43 @@ fn a_contact_whose_force_was_limited_rests_as_the_ideal_one_does() {
             "{least} to {largest} N, ideally {low} to {high} N: {pressed:?}"
         );
         assert!(created < 1e-4, "{created} J: {pressed:?}");
+    }
+}
+
+#[test]
+fn a_contact_with_an_engine_or_a_host_rests_after_a_limited_force() {
+    let cases = [
+        (1.0, 0.0, 0.65, 0.5),
+        (1.0, 0.0, 0.9, 0.0),
+        (1.0, 2.0, 0.65, 0.0),
+        (3.0, 0.0, 0.65, 0.5),
+        (4.0, 0.0, 0.35, 0.0),
+    ];
+    let cases = cases.map(|(kappa, by_body, part, friction)| Pressed {
+        friction,
+        aside: 4.0 * friction,
+        tap: 0.5e-3,
+        force_limit: Some(LIMIT),
+        seconds: 6.0,
+        ..Pressed::new(kappa, by_body, part * LIMIT)
+    });
+    let found = each(&cases, |pressed| {
+        let engine = pressed.last_second_with_an_engine();
+        let local = (pressed.by_body == 0.0).then(|| pressed.last_second_with_a_local_model());
+        (engine, local, pressed.ideal())
+    });
+    for (pressed, (engine, local, [low, high])) in cases.iter().zip(found) {
+        for [least, largest, created] in [Some(engine), local].into_iter().flatten() {
+            println!(
+                "Kc {} mu {} kappa {} push {}: {least:.2} to {largest:.2} N, ideally {low:.2} to {high:.2} N, {created:.1e} J",
+                pressed.by_body, pressed.friction, pressed.kappa, pressed.push,
+            );
+            assert!(
+                largest - least < 2.2 * (high - low) + 0.4,
+                "{least} to {largest} N, ideally {low} to {high} N: {pressed:?}"
+            );
+            assert!(created < 2e-4, "{created} J: {pressed:?}");
+        }
     }
 }
 

@@ -117,6 +117,7 @@ impl LocalRenderer {
             impulses: Vec::new(),
             images: engine.meeting.images.clone(),
             touches: vec![Touch::apart(); pairs.len()],
+            limits: Vec::new(),
             expects_the_missed: false,
         };
         #[expect(
