@@ -14,6 +14,7 @@ use palpate_study::sim::replay::ReplaySetup;
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
 use crate::failure::Failure;
 use crate::values::AnyMethods;
+pub(crate) use actuation::tell_too_long;
 pub use device_file::read_calibration;
 use device_file::{DeviceFile, warn_of_resonance};
 use wrong::not_allowed;

@@ -306,6 +306,9 @@ impl<'t> Deserializer<'t> for Item<'t> {
                 name: self,
                 content: None,
             }),
+            (_, What::Value(DeValue::Array(_))) => Err(de::Error::custom(
+                "there is a list, and exactly one string or table is expected",
+            )),
             _ => Err(de::Error::custom("wanted string or table")),
         };
         variant
@@ -554,6 +557,10 @@ mod tests {
                 "\"ball\": invalid type: unit variant, expected struct variant",
             ),
             ("number = 1\nshapes = [3]", "3: wanted string or table"),
+            (
+                "number = 1\nshapes = [[\"point\"]]",
+                "[\"point\"]: there is a list, and exactly one string or table is expected",
+            ),
             (
                 "number = 1\nshapes = [{ point = {}, cloud = [] }]",
                 "{ point = {}, cloud = [] }: there is more than one key, and exactly one is expected",

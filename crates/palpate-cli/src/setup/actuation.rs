@@ -176,6 +176,11 @@ impl ActuationFlags {
         }
     }
 
+    /// Rejects a delay of more than `most` periods of `period` `[s]`, given by these flags or known otherwise `[s]`.
+    pub fn check_delay(&self, delay: f64, period: f64, most: usize) -> Result<(), Failure> {
+        periods_of(self.delay_flag(), delay, period, most).map(drop)
+    }
+
     /// Returns the given delay `[s]` in a loop of `period` `[s]`.
     fn given_delay(&self, period: f64) -> Result<Option<f64>, Failure> {
         if let Some(delay) = self.delay {
@@ -247,7 +252,7 @@ impl ActuationFlags {
         let delay = Delay::of_periods(delay);
         let periods = delay.whole_samples() as f64 + delay.fraction();
         if model.delay.is_none() && periods > LARGEST_DELAY as f64 {
-            tell_too_long(periods);
+            tell_too_long(self.delay.map(|_| "--delay"), periods);
         }
         Ok(())
     }
@@ -307,9 +312,25 @@ fn periods_of(flag: &str, delay: f64, period: f64, most: usize) -> Result<f64, F
         return Ok(periods);
     }
     Err(Failure::Arguments(format!(
-        "{flag} is {delay} s, {} periods of {period} s, but must be at most {most} periods",
-        (periods * 1e6).round() / 1e6
+        "{flag} is {delay} s, {} periods of {period} s, but must be at most {most} periods, {} s{}",
+        rounded(periods),
+        rounded(most as f64 * period),
+        in_periods(flag)
     )))
+}
+
+/// Returns a value without the last digits of a quotient or product of decimal times.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+/// Returns how a delay is given in periods, for a message about a flag in seconds.
+fn in_periods(flag: &str) -> &'static str {
+    if flag == "--delay" {
+        "; --delay is in seconds, --delay-periods in periods"
+    } else {
+        ""
+    }
 }
 
 /// Rejects a model delay `[s]` that no renderer can have.
@@ -317,15 +338,13 @@ fn check_model_delay(delay: f64, period: f64) -> Result<(), Failure> {
     periods_of("--model-delay", delay, period, LARGEST_DELAY).map(drop)
 }
 
-fn tell_too_long(periods: f64) {
-    let unknown = periods - LARGEST_DELAY as f64;
-    let unit = if periods.fract() == 0.0 {
-        "samples"
-    } else {
-        "periods"
-    };
+/// Warns of a delay of `periods`, given by `flag`, of which the renderer models a part.
+pub(crate) fn tell_too_long(flag: Option<&str>, periods: f64) {
+    let unknown = rounded(periods - LARGEST_DELAY as f64);
     tell(format_args!(
-        "warning: the renderer models at most {LARGEST_DELAY} {unit} of delay; the other {unknown} of these {periods} \
-         are unmodelled"
+        "warning: the renderer models at most {LARGEST_DELAY} periods of delay; the other {unknown} of these {} are \
+         unmodelled{}",
+        rounded(periods),
+        flag.map_or("", in_periods)
     ));
 }

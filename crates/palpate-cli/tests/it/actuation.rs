@@ -123,8 +123,20 @@ fn actuator_model_brings_coupled_near_the_hold_bound() {
         2,
         &["--delay", "--delay-periods", "cannot be used with"],
     );
-    let too_long = "--delay is 20 s, 2000 periods of 0.01 s, but must be at most 1024 periods";
-    folder.fail("simulate scene.toml --delay 20", 2, &[too_long]);
+    let too_long =
+        "--delay is 20 s, 2000 periods of 0.01 s, but must be at most 1024 periods, 10.24 s";
+    let in_periods = "--delay is in seconds, --delay-periods in periods";
+    folder.fail("simulate scene.toml --delay 20", 2, &[too_long, in_periods]);
+    let longer = folder.palpate("simulate scene.toml --delay 1").stderr;
+    assert!(
+        longer.contains("the other 92 of these 100 are unmodelled") && longer.contains(in_periods)
+    );
+    let pipe = "pipe --stiffness 400 --mass 0.1 --period 0.001 --device-mass 0.1";
+    let too_long =
+        "--delay is 1 s, 1000 periods of 0.001 s, but must be at most 8 periods, 0.008 s";
+    folder.fail(&format!("{pipe} --delay 1"), 2, &[too_long, in_periods]);
+    let too_long = "--delay-periods is 0.009 s, 9 periods";
+    folder.fail(&format!("{pipe} --delay-periods 9"), 2, &[too_long]);
     let negative = "--delay is -1 s, but must be finite and not below 0";
     folder.fail("simulate scene.toml --delay -1", 2, &[negative]);
 }

@@ -352,7 +352,12 @@ impl Reading {
         if raw.fixed {
             for (key, span) in raw.keys_of_motion() {
                 if let Some(span) = span {
-                    self.fault(span, format!("a fixed body has no {key}"));
+                    let way_out = if key.contains("velocity") {
+                        "; a body of a large mass keeps its velocity (mass_kg = 1e6 instead of fixed)"
+                    } else {
+                        ""
+                    };
+                    self.fault(span, format!("a fixed body has no {key}{way_out}"));
                 }
             }
         }

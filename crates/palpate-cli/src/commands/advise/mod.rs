@@ -4,6 +4,7 @@ mod arguments;
 
 pub use arguments::AdviseArguments;
 
+use palpate_core::LARGEST_DELAY;
 use palpate_plot::shown_of;
 use palpate_scene::SetupError;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT, Question};
@@ -13,7 +14,7 @@ use palpate_study::map::{Bounce, BounceError};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::{draw, print_report};
-use crate::setup::{read_calibration, wrong_flag, wrong_on_bench};
+use crate::setup::{read_calibration, tell_too_long, wrong_flag, wrong_on_bench};
 
 /// Evaluates the contact and prints the advice.
 pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
@@ -98,6 +99,9 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bou
         if let Some(deviation) = deviation {
             check_not_negative(flag, deviation, unit)?;
         }
+    }
+    if bounce.delay > LARGEST_DELAY as f64 {
+        tell_too_long(arguments.delay.map(|_| "--delay"), bounce.delay);
     }
     Ok(bounce)
 }

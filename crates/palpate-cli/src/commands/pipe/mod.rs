@@ -61,7 +61,10 @@ fn set_up(arguments: &PipeArguments, scene: Option<ContactFile>) -> Result<Strea
     check_slope(&setup, &arguments.stream.columns)?;
     let force_limit = setup.loop_params.force_limit;
     let soft_start = soft_start(arguments, &defaults)?;
-    check_delay(flags, &setup)?;
+    let period = setup.loop_params.period;
+    flags
+        .actuation
+        .check_delay(setup.delay().time(period), period, LARGEST_DELAY)?;
     // Check contact and loop first: their errors do not depend on the method.
     check_contact(&setup)?;
     let rendering = rendering(&setup, method, &settings).map_err(|error| wrong_setup(&error))?;
@@ -137,24 +140,6 @@ fn check_slope(setup: &ReplaySetup, columns: &Columns) -> Result<(), Failure> {
         )),
         _ => Ok(()),
     }
-}
-
-/// Rejects a delay that is longer than the renderer models.
-fn check_delay(flags: &Flags, setup: &ReplaySetup) -> Result<(), Failure> {
-    let (samples, fraction) = (setup.delay().whole_samples(), setup.delay().fraction());
-    let periods = samples as f64 + fraction;
-    if periods > LARGEST_DELAY as f64 {
-        let unit = if fraction == 0.0 {
-            "samples"
-        } else {
-            "periods"
-        };
-        return Err(Failure::Arguments(format!(
-            "{} is {periods} {unit}, but the renderer models at most {LARGEST_DELAY}",
-            flags.actuation.delay_flag()
-        )));
-    }
-    Ok(())
 }
 
 /// Returns the duration of the soft start `[s]`.

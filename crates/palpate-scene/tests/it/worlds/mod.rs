@@ -290,6 +290,17 @@ fn a_fixed_body_has_no_mass_and_no_velocity() {
         said(&moving),
         ["ball.toml:24:11: a fixed body has no force_n"]
     );
+    let belt = BALL.replace(
+        "fixed = true",
+        "fixed = true\nvelocity_m_per_s = [0.2, 0.0, 0.0]",
+    );
+    assert_eq!(
+        said(&belt),
+        [
+            "ball.toml:24:20: a fixed body has no velocity_m_per_s; a body of a large mass keeps its velocity (mass_kg = \
+          1e6 instead of fixed)"
+        ]
+    );
 }
 
 #[test]
