@@ -210,3 +210,50 @@ fn a_deviation_of_the_model_adds_nothing_to_the_swing_of_a_contact() {
         }
     }
 }
+
+/// Hands: stiffness `[N/m]` and damping `[N s/m]`.
+const HANDS: [(f64, f64); 4] = [(0.0, 1.0), (60.0, 1.5), (100.0, 1.0), (300.0, 3.0)];
+
+/// Returns the number of [`HANDS`] in which a pressed wall swings by more than 5 % of the force after 7 s. `delay`, `lag`
+/// and `deviation` are in periods, exactly modelled.
+fn swinging(kappa: f64, [delay, lag]: [f64; 2], deviation: f64) -> usize {
+    let swings = HANDS.iter().filter(|&&hand| {
+        let pressed = Pressed {
+            hand,
+            seconds: 8.0,
+            actuation: Actuation {
+                delay_deviation: deviation * PERIOD,
+                ..Actuation::after(delay * PERIOD).with_lag(lag * PERIOD)
+            },
+            ..Pressed::new(kappa, 0.0, 3.0)
+        };
+        let (least, largest) = pressed.last_second();
+        largest - least > 0.05 * 3.0
+    });
+    swings.count()
+}
+
+#[test]
+fn a_wall_with_a_fraction_of_a_period_of_delay_rests_up_to_kappa_2() {
+    for delay in [0.875, 1.375, 1.5, 1.875] {
+        for deviation in [0.0, 0.1] {
+            let found = swinging(2.0, [delay, 0.2], deviation);
+            assert_eq!(found, 0, "delay {delay}, deviation {deviation}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "a table of the documentation: one minute"]
+fn stiff_walls_with_a_fraction_of_a_period_of_delay_swing_with_and_without_a_deviation() {
+    for lag in [0.0, 0.2] {
+        for delay in [0.5, 0.875, 1.0, 1.375, 1.5, 1.875, 2.0] {
+            let cells = [0.0, 0.02, 0.1].map(|deviation| {
+                let row =
+                    [2.0, 2.5, 3.0, 4.0].map(|kappa| swinging(kappa, [delay, lag], deviation));
+                row.map(|count| count.to_string()).join("/")
+            });
+            println!("| {delay}, {lag} | {} |", cells.join(" | "));
+        }
+    }
+}
