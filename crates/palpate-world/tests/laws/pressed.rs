@@ -127,7 +127,7 @@ impl Pressed {
         })
     }
 
-    /// Returns the same for a plane that a slow host sends as a local model.
+    /// Returns the same for a plane of a low-rate simulator.
     fn last_second_with_a_local_model(&self) -> [f64; 3] {
         let World { tools, .. } = self.world();
         let law = ContactLaw::spring(self.stiffness()).with_friction(self.friction);
@@ -294,7 +294,7 @@ fn a_contact_whose_force_was_limited_rests_as_the_ideal_one_does() {
             "Kc {} mu {} kappa {} push {}: {least:.2} to {largest:.2} N, ideally {low:.2} to {high:.2} N, {created:.1e} J",
             pressed.by_body, pressed.friction, pressed.kappa, pressed.push,
         );
-        // The oscillation of a body on a device decays more slowly than the ideal one.
+        // A body on a device oscillates at the ideal's rate of decay, but leaves its last bounce up to 0.5 s apart.
         let rests = largest - least < 1.1 * (high - low) + 0.2;
         assert!(
             rests || pressed.by_body > 0.0,
