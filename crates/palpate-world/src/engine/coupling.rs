@@ -67,6 +67,11 @@ impl Coupling {
     /// Creates a state before the first sample: no contact, empty energy ledger.
     pub fn start(&self, pairs: &[Pair], bodies: usize) -> EngineState {
         let tools = self.coupled.priors.len();
+        let WorldLoop {
+            force_limits,
+            actuation,
+            ..
+        } = &self.loop_params;
         let nowhere = Rigid {
             position: Vector3::zeros(),
             orientation: Rotation::identity(),
@@ -80,7 +85,7 @@ impl Coupling {
             impulses: vec![Vector3::zeros(); tools],
             images: vec![Image::nowhere(); bodies],
             touches: vec![Touch::apart(); pairs.len()],
-            limits: ForceLimit::each(&self.loop_params, &self.coupled.axes),
+            limits: ForceLimit::each(force_limits, actuation, &self.coupled.axes),
             expects_the_missed: false,
         };
         let devices = self.coupled.priors.iter();

@@ -5,7 +5,8 @@
 //! For springs of one direction this is the potential `(2 s - s^2) V` of springs with the energy V, whose force is
 //! scaled by s.
 
-use crate::WorldLoop;
+use palpate_core::Actuation;
+
 use crate::contact::pairs::Point;
 use crate::geometry::axes::Axes;
 use crate::geometry::rigid::Vector3;
@@ -27,11 +28,9 @@ pub(crate) struct ForceLimit {
 }
 
 impl ForceLimit {
-    /// Returns the limits of a loop whose tools have these axes.
-    pub fn each(loop_params: &WorldLoop, axes: &[Axes]) -> Vec<Self> {
-        let actuation = &loop_params.actuation;
-        let limits = loop_params.force_limits.iter().zip(axes);
-        let of_tool = limits.map(|(&limit, &axes)| Self {
+    /// Returns the limits of tools with these axes, from the limits of their commands `[N]`.
+    pub fn each(limits: &[f64], actuation: &Actuation<f64>, axes: &[Axes]) -> Vec<Self> {
+        let of_tool = limits.iter().zip(axes).map(|(&limit, &axes)| Self {
             // Both the command and the delivered force are limited.
             force: actuation.gain * limit / actuation.limit_gain(),
             axes,

@@ -232,7 +232,12 @@ impl WorldRenderer {
     /// Returns the force limits that the motion of proxies includes. A tool that is fixed between samples has none.
     fn limits_in_motion(&self) -> Vec<ForceLimit> {
         if self.method.yields_to_limits() {
-            ForceLimit::each(&self.loop_params, &self.axes)
+            let WorldLoop {
+                force_limits,
+                actuation,
+                ..
+            } = &self.loop_params;
+            ForceLimit::each(force_limits, actuation, &self.axes)
         } else {
             Vec::new()
         }
