@@ -312,7 +312,8 @@ fn periods_of(flag: &str, delay: f64, period: f64, most: usize) -> Result<f64, F
         return Ok(periods);
     }
     Err(Failure::Arguments(format!(
-        "{flag} is {delay} s, {} periods of {period} s, but must be at most {most} periods, {} s{}",
+        "{flag} is {} s, {} periods of {period} s, but must be at most {most} periods, {} s{}",
+        rounded(delay),
         rounded(periods),
         rounded(most as f64 * period),
         in_periods(flag)
@@ -321,7 +322,7 @@ fn periods_of(flag: &str, delay: f64, period: f64, most: usize) -> Result<f64, F
 
 /// Returns a value without the last digits of a quotient or product of decimal times.
 fn rounded(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
+    (value * 1e9).round() / 1e9
 }
 
 /// Returns how a delay is given in periods, for a message about a flag in seconds.
