@@ -10,11 +10,11 @@ use crate::methods::chosen;
 use crate::names::refused;
 use crate::studies::{Shown, threads};
 
-/// A score: plant, condition, column, and number of redraws of the plant; error of its reference solution, E `[%]`, FRE
+/// A score: plant, condition, column, and number of redraws of the plant; error of its reference solution, E and FRE `[%]`, FRE
 /// over the hold bound, peak over that of the reference; whether the loop diverged; samples, and limited samples.
 type Row = (
     (usize, usize, usize, u32),
-    (f64, f64, f64, f64),
+    (f64, f64, f64, f64, f64),
     (bool, usize, usize),
 );
 
@@ -138,6 +138,7 @@ pub fn suite_part(
                 condition,
                 column,
                 error,
+                force_error,
                 error_over_bound,
                 peak_ratio,
                 diverged,
@@ -146,7 +147,7 @@ pub fn suite_part(
             } = score;
             (
                 (plant, condition, column, redrawn),
-                (ideal_error, error, error_over_bound, peak_ratio),
+                (ideal_error, error, force_error, error_over_bound, peak_ratio),
                 (diverged, samples, limited),
             )
         });
@@ -185,7 +186,7 @@ pub fn suite_of_parts(
         .into_iter()
         .map(|(places, numbers, counts)| {
             let (plant, condition, column, redrawn) = places;
-            let (ideal_error, error, error_over_bound, peak_ratio) = numbers;
+            let (ideal_error, error, force_error, error_over_bound, peak_ratio) = numbers;
             let (diverged, samples, limited) = counts;
             Score {
                 plant,
@@ -194,6 +195,7 @@ pub fn suite_of_parts(
                 condition,
                 column,
                 error,
+                force_error,
                 error_over_bound,
                 peak_ratio,
                 diverged,

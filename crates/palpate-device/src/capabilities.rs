@@ -31,6 +31,9 @@ pub struct Capabilities {
     /// Whether the device holds the last commanded force until the next command. If the commanding program is killed,
     /// only another process can remove that force: the watchdog process of `palpate-rt`.
     pub holds_last_force: bool,
+    /// Whether the device holds a straight line over a period ([`Line`](super::Line)). A loop rejects a rendering with
+    /// lines on a device without it.
+    pub holds_lines: bool,
 }
 
 impl Capabilities {
@@ -54,6 +57,7 @@ impl Capabilities {
             effective_mass: None,
             encoder_quantum: None,
             holds_last_force: false,
+            holds_lines: false,
         }
     }
 }

@@ -30,7 +30,7 @@ use std::fmt;
 pub use capabilities::Capabilities;
 pub use cut::Cut;
 pub use null::NullDevice;
-pub use pose::{Pose, Vector, Wrench};
+pub use pose::{Line, Pose, Vector, Wrench};
 pub use replay::ReplayDevice;
 pub use scripted::{Script, ScriptedDevice, Step};
 
@@ -114,10 +114,21 @@ pub trait Device: Send {
     /// Those of [`read`](Self::read). The held force is then unknown.
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError>;
 
-    /// Returns the part of the last written wrench that is sent to the motors, if it differs from the result of
-    /// [`write`](Self::write). A device that models its delay returns the currently held wrench from `write` and the
-    /// wrench held later from this function. `None`, the default: the result of `write`.
-    fn last_sent(&self) -> Option<Wrench> {
+    /// Commands `line` on the end-point, from now on, and returns what is held, as [`write`](Self::write) does. A driver
+    /// that clamps returns a line whose two ends are within its limits. When the line is over and no other command has
+    /// come, the device holds its last value. Called only with [`Capabilities::holds_lines`]; by default the mean is
+    /// written as a constant, and returned.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read). The held force is then unknown.
+    fn write_line(&mut self, line: Line) -> Result<Line, DeviceError> {
+        self.write(line.wrench).map(Line::from)
+    }
+
+    /// Returns the part of the last command that is sent to the motors, if it differs from the result of
+    /// [`write`](Self::write) or [`write_line`](Self::write_line). A device that models its delay returns what is
+    /// currently held from these, and what is held later from this function. `None`, the default: the result of these.
+    fn last_sent(&self) -> Option<Line> {
         None
     }
 
@@ -187,7 +198,11 @@ impl<D: Device + ?Sized> Device for Box<D> {
         (**self).write(wrench)
     }
 
-    fn last_sent(&self) -> Option<Wrench> {
+    fn write_line(&mut self, line: Line) -> Result<Line, DeviceError> {
+        (**self).write_line(line)
+    }
+
+    fn last_sent(&self) -> Option<Line> {
         (**self).last_sent()
     }
 

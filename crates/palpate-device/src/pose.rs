@@ -73,8 +73,132 @@ impl Wrench {
     }
 }
 
+/// A wrench whose force follows a straight line over a period: `force + slope (t - duration/2)`, with t the time since the
+/// line began. After `duration` it keeps its last value until the next command. A constant has no slope.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Line {
+    /// Mean of the wrench over `duration`.
+    pub wrench: Wrench,
+    /// Slope of the force, in the device's frame `[N/s]`.
+    pub slope: Vector,
+    /// Time over which the force changes: the loop's period.
+    pub duration: Duration,
+}
+
+impl Line {
+    /// Zero force and torque.
+    pub const NONE: Self = Self {
+        wrench: Wrench::NONE,
+        slope: [0.0; 3],
+        duration: Duration::ZERO,
+    };
+
+    /// Returns whether the force is a constant.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        self.slope == [0.0; 3]
+    }
+
+    /// Returns the wrench `age` after the line began.
+    #[must_use]
+    pub fn at(&self, age: Duration) -> Wrench {
+        let since_middle = age.min(self.duration).as_secs_f64() - 0.5 * self.duration.as_secs_f64();
+        self.plus(since_middle)
+    }
+
+    /// Returns the wrench that is held after `duration`.
+    #[must_use]
+    pub fn end(&self) -> Wrench {
+        self.plus(0.5 * self.duration.as_secs_f64())
+    }
+
+    /// Returns the impulse of the force `[N s]` and of the torque `[N m s]` between two ages of the line.
+    #[must_use]
+    pub fn impulse(&self, from: Duration, until: Duration) -> Wrench {
+        let times = |wrench: Wrench, span: Duration| {
+            let span = span.as_secs_f64();
+            wrench.each(|vector| vector.map(|part| part * span))
+        };
+        if self.is_constant() {
+            return times(self.wrench, until.saturating_sub(from));
+        }
+        let [begins, ends] = [from, until].map(|age| age.min(self.duration));
+        let rises = times(self.at((begins + ends) / 2), ends.saturating_sub(begins));
+        let stays = times(self.end(), until.saturating_sub(self.duration.max(from)));
+        Wrench {
+            force: sum(rises.force, stays.force),
+            torque: sum(rises.torque, stays.torque),
+        }
+    }
+
+    /// Returns the wrench `since_middle` `[s]` after the middle of the line.
+    fn plus(&self, since_middle: f64) -> Wrench {
+        Wrench {
+            force: sum(
+                self.wrench.force,
+                self.slope.map(|slope| slope * since_middle),
+            ),
+            torque: self.wrench.torque,
+        }
+    }
+}
+
+fn sum([ax, ay, az]: Vector, [bx, by, bz]: Vector) -> Vector {
+    [ax + bx, ay + by, az + bz]
+}
+
+impl From<Wrench> for Line {
+    fn from(wrench: Wrench) -> Self {
+        Self {
+            wrench,
+            ..Self::NONE
+        }
+    }
+}
+
 impl From<Vector> for Wrench {
     fn from(force: Vector) -> Self {
         Self::of_force(force)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_ends_with_its_duration_and_has_the_impulse_of_its_course() {
+        let line = Line {
+            wrench: Wrench {
+                force: [2.0, -1.0, 0.0],
+                torque: [0.0, 0.5, 0.0],
+            },
+            slope: [300.0, 50.0, 0.0],
+            duration: Duration::from_millis(10),
+        };
+        let ms = Duration::from_millis;
+        assert!(!line.is_constant() && Line::from(line.wrench).is_constant());
+        let close = |found: f64, expected: f64| {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}")
+        };
+        close(line.at(ms(0)).force[0], 0.5);
+        close(line.at(ms(5)).force[0], 2.0);
+        for age in [10, 11, 500] {
+            assert_eq!(line.at(ms(age)), line.end());
+        }
+        close(line.end().force[0], 3.5);
+        close(line.impulse(ms(0), ms(10)).force[0], 0.02);
+        // A rise of 4 ms to 3.5 N, then 6 ms of it.
+        close(
+            line.impulse(ms(6), ms(16)).force[0],
+            0.004 * 2.9 + 0.006 * 3.5,
+        );
+        close(line.impulse(ms(20), ms(30)).force[0], 0.035);
+        close(line.impulse(ms(20), ms(30)).torque[1], 0.005);
+        close(line.impulse(ms(3), ms(3)).force[0], 0.0);
+        close(
+            Line::from(line.wrench).impulse(ms(1), ms(4)).force[1],
+            -0.003,
+        );
     }
 }

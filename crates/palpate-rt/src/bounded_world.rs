@@ -117,6 +117,7 @@ impl WorldSafety {
                 },
                 coordinate: 0.0,
                 wrench: *wrench,
+                slope: [0.0; 3],
                 created_energy,
                 refused: answered.refused,
                 stalled: false,
@@ -210,7 +211,10 @@ impl BoundedWorld {
             self.fade.end();
         }
         let elapsed = sample.elapsed.unwrap_or(self.renderer.loop_params().period);
-        let before = is_compared.then_some(&*self.asked_before);
+        let before = |device: usize| {
+            let before = self.asked_before.get(device).filter(|_| is_compared);
+            before.copied()
+        };
         let wrenches = &mut self.wrenches;
         if self.fade.answer(asked, before, elapsed, wrenches) {
             let within = self.renderer.keep_within(&self.state, wrenches, |wrench| {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use palpate_core::AlongAxis;
+use palpate_core::{AlongAxis, Hold};
 use palpate_record::recording::{DeviceTick, Row, Tick};
 
 use tick_phases::TickTimes;
@@ -141,6 +141,10 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         };
         if devices.len() != rendered.devices() {
             return Err(wrong);
+        }
+        let mut held = devices.iter().map(|(device, _)| device.capabilities());
+        if rendered.actuation().hold == Hold::Line && !held.all(|held| held.holds_lines) {
+            return Err(SetupError::HoldsConstant);
         }
         // The shortest limit of all devices applies.
         let stall_limits = devices.iter().map(|(_, limits)| limits.stall_after(period));
@@ -454,6 +458,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             position: [0.0; 3],
             coordinate: answer.coordinate,
             wrench: Wrench::NONE,
+            slope: [0.0; 3],
             created_energy: self.rendered.created_energy(),
             refused: answer.fault.is_some(),
             stalled,
@@ -463,7 +468,9 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
 
     /// Commands the wrenches and reports the delivered ones to the renderer.
     fn command(&mut self) {
-        self.lost |= self.devices.command(&self.clock, &mut self.teller);
+        self.lost |= self
+            .devices
+            .command(&self.clock, self.period, &mut self.teller);
         for (number, driven) in self.devices.iter().enumerate() {
             self.rendered
                 .report_written(number, driven.delivered, driven.sent);

@@ -6,7 +6,7 @@ use std::slice;
 use std::time::Duration;
 
 use palpate_device::clock::Clock;
-use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter};
+use palpate_device::{Device, DeviceError, DeviceErrorKind, Line, Pose, Wrench, ZeroWriter};
 use palpate_record::recording::{DeviceTick, Flags};
 
 use crate::held::HeldSince;
@@ -51,10 +51,10 @@ pub(crate) struct Driven<D> {
     looked: Option<(Rendered, Observation)>,
     /// Wrench to command.
     pub verdict: Verdict,
-    /// Held wrench, as reported by the device.
-    pub delivered: Wrench,
-    /// Wrench sent to the motors, if the device reports it separately.
-    pub sent: Option<Wrench>,
+    /// Held line, as reported by the device.
+    pub delivered: Line,
+    /// Line sent to the motors, if the device reports it separately.
+    pub sent: Option<Line>,
     /// Whether it rejected the command of this tick.
     has_failed: bool,
     /// Whether it is disconnected.
@@ -77,11 +77,12 @@ impl<D: Device> Driven<D> {
             looked: None,
             verdict: Verdict {
                 wrench: Wrench::NONE,
+                slope: [0.0; 3],
                 bounded: Bounded::default(),
                 stopped: None,
                 recovered: None,
             },
-            delivered: Wrench::NONE,
+            delivered: Line::NONE,
             sent: None,
             has_failed: false,
             is_lost: false,
@@ -195,10 +196,14 @@ impl<D: Device> Driven<D> {
         }
     }
 
-    /// Commands the wrench. Returns whether the device accepted it.
-    fn command<C: Clock>(&mut self, clock: &C, teller: &mut Teller) -> bool {
-        let wrench = self.verdict.wrench;
-        let written = self.device.write(wrench);
+    /// Commands the wrench, or its line in a loop of `period`. Returns whether the device accepted it.
+    fn command<C: Clock>(&mut self, clock: &C, period: Duration, teller: &mut Teller) -> bool {
+        let line = self.verdict.line(period);
+        let written = if line.is_constant() {
+            self.device.write(line.wrench).map(Line::from)
+        } else {
+            self.device.write_line(line)
+        };
         self.delivered = match written {
             Ok(held) => held,
             Err(error) => {
@@ -215,7 +220,7 @@ impl<D: Device> Driven<D> {
                 if let Some(safety_stop) = self.safety.stop_on(safety_stop).stopped {
                     teller.note(clock.now(), self.number, Note::Stopped(safety_stop));
                 }
-                Wrench::NONE
+                Line::NONE
             }
         };
         self.held.change(self.delivered, clock.now());
@@ -224,7 +229,7 @@ impl<D: Device> Driven<D> {
     }
 
     fn may_hold_a_force(&self) -> bool {
-        !self.has_failed && (self.verdict.wrench != Wrench::NONE || self.delivered != Wrench::NONE)
+        !self.has_failed && (self.verdict.wrench != Wrench::NONE || self.delivered != Line::NONE)
     }
 
     /// Records that a supervisor or watchdog process commanded zero force at `at`. The earliest time counts.
@@ -262,8 +267,8 @@ impl<D: Device> Driven<D> {
             orientation: place.map_or(unknown.orientation, |place| place.device_orientation),
             commanded_force: self.verdict.wrench.force,
             commanded_torque: self.verdict.wrench.torque,
-            delivered_force: self.delivered.force,
-            delivered_torque: self.delivered.torque,
+            delivered_force: self.delivered.wrench.force,
+            delivered_torque: self.delivered.wrench.torque,
             ..unknown
         }
     }
@@ -274,8 +279,8 @@ pub(crate) struct Devices<D> {
     all: Vec<Driven<D>>,
     /// Scratch buffer for a sample of all devices.
     samples: Vec<DeviceSample>,
-    /// Requested wrench of each device; scratch buffer of a tick.
-    asked: Vec<Wrench>,
+    /// Requested line of each device; scratch buffer of a tick.
+    asked: Vec<Line>,
     /// Recorded data of each device at the last tick; empty for a single device.
     ticks: Vec<DeviceTick>,
 }
@@ -294,7 +299,7 @@ impl<D: Device> Devices<D> {
         Some(Self {
             all,
             samples: Vec::with_capacity(number),
-            asked: vec![Wrench::NONE; number],
+            asked: vec![Line::NONE; number],
             ticks: if is_one {
                 Vec::new()
             } else {
@@ -324,10 +329,10 @@ impl<D: Device> Devices<D> {
         &self.all[0].device
     }
 
-    /// Returns the commanded and the held wrench of the first device.
-    pub fn first_wrenches(&self) -> (Wrench, Wrench) {
+    /// Returns the commanded wrench and the held line of the first device.
+    pub fn first_wrenches(&self) -> (Wrench, Line) {
         let first = self.all.first();
-        first.map_or((Wrench::NONE, Wrench::NONE), |first| {
+        first.map_or((Wrench::NONE, Line::NONE), |first| {
             (first.verdict.wrench, first.delivered)
         })
     }
@@ -360,8 +365,8 @@ impl<D: Device> Devices<D> {
         sampled.any(|sampled| matches!(sampled, Sampled::Missing))
     }
 
-    /// Returns the samples of all devices, if all are fresh, and the buffer for the requested wrenches.
-    pub fn samples(&mut self) -> (&[DeviceSample], &mut [Wrench]) {
+    /// Returns the samples of all devices, if all are fresh, and the buffer for the requested lines.
+    pub fn samples(&mut self) -> (&[DeviceSample], &mut [Line]) {
         self.samples.clear();
         let devices = self.all.iter_mut();
         self.samples.extend(devices.filter_map(Driven::fresh));
@@ -374,9 +379,10 @@ impl<D: Device> Devices<D> {
     pub fn evaluate(&mut self, of_loop: &Rendered) {
         let comes_in = self.iter().any(|driven| driven.safety.is_not_all_there());
         let mut created_energy = of_loop.created_energy;
-        for (driven, wrench) in self.all.iter_mut().zip(&self.asked) {
+        for (driven, asked) in self.all.iter_mut().zip(&self.asked) {
             let rendered = Rendered {
-                wrench: *wrench,
+                wrench: asked.wrench,
+                slope: asked.slope,
                 created_energy,
                 ..*of_loop
             };
@@ -415,19 +421,19 @@ impl<D: Device> Devices<D> {
 
     /// Commands the wrenches. If a device rejects its wrench, no device keeps a force: devices commanded earlier get
     /// a zero command immediately. Returns whether a device is gone.
-    pub fn command<C: Clock>(&mut self, clock: &C, teller: &mut Teller) -> bool {
+    pub fn command<C: Clock>(&mut self, clock: &C, period: Duration, teller: &mut Teller) -> bool {
         let mut has_failed = false;
         for driven in self.iter_mut() {
             driven.has_failed = false;
             if has_failed {
                 driven.withhold();
             }
-            has_failed |= !driven.command(clock, teller);
+            has_failed |= !driven.command(clock, period, teller);
         }
         if has_failed {
             for driven in self.iter_mut().filter(|driven| driven.may_hold_a_force()) {
                 driven.withhold();
-                driven.command(clock, teller);
+                driven.command(clock, period, teller);
             }
         }
         self.iter().any(|driven| driven.is_lost)

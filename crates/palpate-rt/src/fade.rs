@@ -57,13 +57,13 @@ impl Fade {
     }
 
     /// Adds the fading difference to the requested wrenches and writes the sum to `held`, which contains the
-    /// previously held wrenches. `before`: wrenches requested by the world before the change, if known. `elapsed`:
+    /// previously held wrenches. `before`: wrench of a device requested by the world before the change, if known. `elapsed`:
     /// time since the previous sample `[s]`. Returns whether a fade was active: then the limits of the world have not
     /// been applied to the sum.
     pub fn answer(
         &mut self,
         asked: impl Iterator<Item = Wrench>,
-        before: Option<&[Wrench]>,
+        before: impl Fn(usize) -> Option<Wrench>,
         elapsed: f64,
         held: &mut [Wrench],
     ) -> bool {
@@ -84,8 +84,7 @@ impl Fade {
         let devices = self.more.iter_mut().zip(&self.carried).enumerate();
         for ((held, (device, (more, carried))), asked) in held.iter_mut().zip(devices).zip(asked) {
             if is_settling {
-                let as_before = before.and_then(|before| before.get(device));
-                let reference = as_before.map_or(*held, |before| sum(before, carried, 1.0));
+                let reference = before(device).map_or(*held, |before| sum(&before, carried, 1.0));
                 *more = sum(&reference, &asked, -1.0);
             }
             *held = sum(&asked, more, share);

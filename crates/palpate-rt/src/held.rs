@@ -2,44 +2,69 @@
 
 use std::time::Duration;
 
-use palpate_device::{Vector, Wrench};
+use palpate_device::{Line, Vector, Wrench};
 
-/// Wrench held on the device since the last sample: one wrench, or the mean of several.
+/// Wrench held on the device since the last sample: one wrench, or the mean of several or of lines.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct HeldSince {
-    wrench: Wrench,
+    /// Line that is held, and the time at which it began.
+    line: Line,
+    begun: Duration,
     since: Option<Duration>,
     changed: bool,
     /// Impulse `[N s]` and angular impulse `[N m s]`.
     impulse: Wrench,
     span: f64,
-    /// Wrench held before the current zero wrench, with the start and end of its contribution to the impulse.
-    before_none: Option<(Wrench, Duration, Duration)>,
+    /// What was held before the current zero wrench.
+    before_none: Option<BeforeNone>,
+}
+
+/// A line that zero force has replaced.
+#[derive(Clone, Copy, Debug)]
+struct BeforeNone {
+    line: Line,
+    begun: Duration,
+    /// Start and end of its contribution to the impulse.
+    from: Duration,
+    until: Duration,
 }
 
 impl HeldSince {
-    /// Sets the wrench held from `now` on.
-    pub fn change(&mut self, wrench: Wrench, now: Duration) {
-        if wrench != Wrench::NONE {
+    /// Sets the line held from `now` on.
+    pub fn change(&mut self, line: impl Into<Line>, now: Duration) {
+        let line = line.into();
+        if !is_none(&line) {
             self.before_none = None;
-        } else if self.wrench != Wrench::NONE {
+        } else if !is_none(&self.line) {
             let from = self.since.unwrap_or(now);
-            self.before_none = Some((self.wrench, from, now.max(from)));
+            self.before_none = Some(BeforeNone {
+                line: self.line,
+                begun: self.begun,
+                from,
+                until: now.max(from),
+            });
         }
         self.settle(now);
-        self.changed |= self.span > 0.0 && wrench != self.wrench;
-        self.wrench = wrench;
+        // A line is no constant before and after its end.
+        let is_same = line.is_constant() && line.wrench == self.line.wrench;
+        self.changed |= !self.line.is_constant() || (self.span > 0.0 && !is_same);
+        (self.line, self.begun) = (line, now);
     }
 
     /// Sets the held wrench to zero from `at` on. The earliest of several cuts counts; it may be reported last.
     pub fn cut(&mut self, at: Duration) {
         match self.before_none {
-            Some((wrench, from, until)) if self.wrench == Wrench::NONE => {
-                let since = at.max(from);
-                if since < until {
-                    self.add(&wrench, -(until - since).as_secs_f64());
+            Some(before) if is_none(&self.line) => {
+                let since = at.max(before.from);
+                if since < before.until {
+                    let [from, until] =
+                        [since, before.until].map(|time| time.saturating_sub(before.begun));
+                    self.add(&before.line.impulse(from, until), -1.0);
                     self.changed = true;
-                    self.before_none = Some((wrench, from, since));
+                    self.before_none = Some(BeforeNone {
+                        until: since,
+                        ..before
+                    });
                 }
             }
             _ => self.change(Wrench::NONE, at),
@@ -50,11 +75,12 @@ impl HeldSince {
     pub fn take(&mut self, now: Duration) -> Option<Wrench> {
         self.since?;
         self.settle(now);
-        let mean = if self.changed && self.span > 0.0 {
+        let is_even = self.line.is_constant() && !self.changed;
+        let mean = if !is_even && self.span > 0.0 {
             let span = self.span;
             self.impulse.each(|impulse| impulse.map(|part| part / span))
         } else {
-            self.wrench
+            self.line.wrench
         };
         (self.changed, self.impulse, self.span) = (false, Wrench::NONE, 0.0);
         self.before_none = None;
@@ -62,23 +88,27 @@ impl HeldSince {
     }
 
     fn settle(&mut self, now: Duration) {
-        let span = now.saturating_sub(self.since.unwrap_or(now)).as_secs_f64();
-        let wrench = self.wrench;
-        self.add(&wrench, span);
-        self.span += span;
-        self.since = Some(self.since.map_or(now, |since| since.max(now)));
+        let since = self.since.unwrap_or(now);
+        let [from, until] = [since, now.max(since)].map(|time| time.saturating_sub(self.begun));
+        self.add(&self.line.impulse(from, until), 1.0);
+        self.span += now.saturating_sub(since).as_secs_f64();
+        self.since = Some(since.max(now));
     }
 
-    /// Adds the impulse of `wrench` over `span` `[s]`.
-    fn add(&mut self, wrench: &Wrench, span: f64) {
-        let add = |impulse: &mut Vector, held: Vector| {
-            for (impulse, held) in impulse.iter_mut().zip(held) {
-                *impulse += held * span;
+    /// Adds an impulse times `sign`.
+    fn add(&mut self, added: &Wrench, sign: f64) {
+        let add = |impulse: &mut Vector, added: Vector| {
+            for (impulse, added) in impulse.iter_mut().zip(added) {
+                *impulse += sign * added;
             }
         };
-        add(&mut self.impulse.force, wrench.force);
-        add(&mut self.impulse.torque, wrench.torque);
+        add(&mut self.impulse.force, added.force);
+        add(&mut self.impulse.torque, added.torque);
     }
+}
+
+fn is_none(line: &Line) -> bool {
+    line.is_constant() && line.wrench == Wrench::NONE
 }
 
 #[cfg(test)]
@@ -139,5 +169,44 @@ mod tests {
         held.change(force(2.0), ms(10));
         held.cut(ms(12));
         assert_eq!(held.take(ms(14)), Some(force(1.0)));
+    }
+
+    #[test]
+    fn mean_of_a_line_is_that_of_its_course_and_ends_with_it_or_with_a_cut() {
+        let ms = Duration::from_millis;
+        let line = Line {
+            wrench: Wrench::of_force([2.0, 0.0, 0.0]),
+            slope: [200.0, 0.0, 0.0],
+            duration: ms(10),
+        };
+        let held = |until: u64, cut: Option<u64>| {
+            let mut held = HeldSince::default();
+            held.change(line, ms(5));
+            if let Some(cut) = cut {
+                held.change(Wrench::NONE, ms(until));
+                held.cut(ms(cut));
+            }
+            held.take(ms(until)).unwrap().force[0]
+        };
+        let close = |found: f64, expected: f64| {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        };
+        close(held(15, None), 2.0);
+        // 1 N to 2 N, in half of the line.
+        close(held(10, None), 1.5);
+        // The whole line, then 5 ms of its last value.
+        close(held(20, None), (10.0 * 2.0 + 5.0 * 3.0) / 15.0);
+        // Half of the line, then nothing.
+        close(held(20, Some(10)), 5.0 * 1.5 / 15.0);
+        close(held(15, Some(10)), 5.0 * 1.5 / 10.0);
+        // The next mean begins within the line.
+        let mut late = HeldSince::default();
+        late.change(line, ms(5));
+        late.take(ms(10)).unwrap();
+        late.change(line, ms(15));
+        close(
+            late.take(ms(20)).unwrap().force[0],
+            (5.0 * 2.5 + 5.0 * 1.5) / 10.0,
+        );
     }
 }

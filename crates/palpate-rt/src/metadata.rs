@@ -138,6 +138,7 @@ fn of_device(device: &Capabilities) -> String {
     lines.put_or("effective_mass_kg", device.effective_mass, unknown);
     lines.put_or("encoder_quantum_m", device.encoder_quantum, unknown);
     lines.put("holds_last_force", device.holds_last_force);
+    lines.put("holds_lines", device.holds_lines);
     lines.0
 }
 

@@ -39,6 +39,12 @@ pub enum SetupError {
     /// A world whose tool rotates, on a device whose axes are not those of the world.
     #[error("a device of six axes must have the axes of the world, x,y,z; its position may differ")]
     TurnedFrame,
+    /// A rendering with lines on a device that holds constants.
+    #[error(
+        "the rendering has loop.hold = \"line\", but this device holds constants; use a device that holds lines, such as \
+         simulated, or loop.hold = \"constant\""
+    )]
+    HoldsConstant,
     /// A period outside the range of the clock `[s]`.
     #[error("the period is {0} s; allowed: a nanosecond to 10 s")]
     Period(f64),

@@ -148,14 +148,16 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             .with(Flags::MISSED_DEADLINE, missed > 0)
             .with(Flags::DEVICE_FAULT, !step.are_fresh);
         let (commanded, delivered) = self.devices.first_wrenches();
-        self.rendered.account(self.teller.sequence, delivered.force);
+        self.rendered
+            .account(self.teller.sequence, delivered.wrench.force);
         Tick {
             lateness: woke.as_secs_f64() - deadline.as_secs_f64(),
             period: step.elapsed.unwrap_or(f64::NAN),
             commanded_force: commanded.force,
             commanded_torque: commanded.torque,
-            delivered_force: delivered.force,
-            delivered_torque: delivered.torque,
+            delivered_force: delivered.wrench.force,
+            delivered_slope: delivered.slope,
+            delivered_torque: delivered.wrench.torque,
             tick_duration: (ended - answered).as_secs_f64(),
             device_round_trip: (answered - woke).as_secs_f64(),
             created_energy: self.rendered.created_energy(),

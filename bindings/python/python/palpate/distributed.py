@@ -251,7 +251,13 @@ class SuiteStudy(Study):
         return table, {}
 
 
-_NUMBERS = ("ideal_error", "mean_force_error_percent", "error_over_bound", "peak_over_ideal_peak")
+_NUMBERS = (
+    "ideal_error",
+    "mean_force_error_percent",
+    "force_rendering_error_percent",
+    "error_over_bound",
+    "peak_over_ideal_peak",
+)
 _COUNTS = ("diverged", "samples", "limited")
 
 

@@ -3,17 +3,21 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use palpate_device::{Capabilities, Device, DeviceError, Pose, Vector, Wrench, ZeroWriter};
+use palpate_device::{Capabilities, Device, DeviceError, Line, Pose, Vector, Wrench, ZeroWriter};
 
 /// Reported held force of a device, readable by any thread.
 #[derive(Clone, Debug, Default)]
 pub struct Held(Arc<[AtomicU64; 3]>);
 
 impl Held {
-    /// Returns the force `[N]`; NaN if the device did not confirm the last command. Each component is atomic on its
+    /// Returns the force, of a line its mean `[N]`; NaN if the device did not confirm the last command. Each component is atomic on its
     /// own.
     pub fn force(&self) -> Vector {
         [0, 1, 2].map(|axis| f64::from_bits(self.0[axis].load(Ordering::Acquire)))
+    }
+
+    fn publish(&self, written: Option<Wrench>) {
+        self.hold(written.map_or([f64::NAN; 3], |held| held.force));
     }
 
     fn hold(&self, force: Vector) {
@@ -47,14 +51,17 @@ impl Device for Telling {
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
         let written = self.device.write(wrench);
-        self.held.hold(match &written {
-            Ok(held) => held.force,
-            Err(_) => [f64::NAN; 3],
-        });
+        self.held.publish(written.ok());
         written
     }
 
-    fn last_sent(&self) -> Option<Wrench> {
+    fn write_line(&mut self, line: Line) -> Result<Line, DeviceError> {
+        let written = self.device.write_line(line);
+        self.held.publish(written.ok().map(|held| held.wrench));
+        written
+    }
+
+    fn last_sent(&self) -> Option<Line> {
         self.device.last_sent()
     }
 

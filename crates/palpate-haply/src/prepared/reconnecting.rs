@@ -8,7 +8,7 @@ use std::thread::Builder;
 use std::time::Duration;
 
 use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
+    Capabilities, Device, DeviceError, DeviceErrorKind, Line, Pose, Wrench, ZeroWriter,
 };
 
 /// Interval between attempts to reopen the device.
@@ -126,6 +126,25 @@ impl Reconnecting {
     }
 }
 
+impl Reconnecting {
+    /// Commands the device, if it is there.
+    fn command<W: Default>(
+        &mut self,
+        write: impl FnOnce(&mut Box<dyn Device>) -> Result<W, DeviceError>,
+    ) -> Result<W, DeviceError> {
+        let Some(device) = &mut self.device else {
+            return Ok(W::default());
+        };
+        match write(device) {
+            Err(error) if error.kind == DeviceErrorKind::Disconnected => {
+                self.lose(error);
+                Ok(W::default())
+            }
+            written => written,
+        }
+    }
+}
+
 impl Device for Reconnecting {
     fn capabilities(&self) -> &Capabilities {
         &self.capabilities
@@ -155,19 +174,14 @@ impl Device for Reconnecting {
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
-        let Some(device) = &mut self.device else {
-            return Ok(Wrench::NONE);
-        };
-        match device.write(wrench) {
-            Err(error) if error.kind == DeviceErrorKind::Disconnected => {
-                self.lose(error);
-                Ok(Wrench::NONE)
-            }
-            written => written,
-        }
+        self.command(|device| device.write(wrench))
     }
 
-    fn last_sent(&self) -> Option<Wrench> {
+    fn write_line(&mut self, line: Line) -> Result<Line, DeviceError> {
+        self.command(|device| device.write_line(line))
+    }
+
+    fn last_sent(&self) -> Option<Line> {
         self.device.as_ref()?.last_sent()
     }
 

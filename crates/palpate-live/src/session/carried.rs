@@ -3,7 +3,7 @@
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
+    Capabilities, Device, DeviceError, DeviceErrorKind, Line, Pose, Wrench, ZeroWriter,
 };
 
 /// A device in a loop that is returned when dropped.
@@ -48,7 +48,11 @@ impl Device for Carried {
         self.device()?.write(wrench)
     }
 
-    fn last_sent(&self) -> Option<Wrench> {
+    fn write_line(&mut self, line: Line) -> Result<Line, DeviceError> {
+        self.device()?.write_line(line)
+    }
+
+    fn last_sent(&self) -> Option<Line> {
         self.device.as_ref()?.last_sent()
     }
 

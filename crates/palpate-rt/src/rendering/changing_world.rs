@@ -2,7 +2,7 @@
 
 use palpate_core::Actuation;
 use palpate_device::clock::Clock;
-use palpate_device::{Device, Vector, Wrench};
+use palpate_device::{Device, Line, Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 use palpate_world::{Motion, Succession, World, WorldErrors};
 
@@ -30,8 +30,8 @@ pub struct ChangingWorld {
     /// Last commanded wrench of each device.
     held: Vec<Wrench>,
     /// Wrenches requested by the world and by the one before the last change.
-    asked: Vec<Wrench>,
-    asked_before: Vec<Wrench>,
+    asked: Vec<Line>,
+    asked_before: Vec<Line>,
     coming: rtrb::Consumer<Box<Other>>,
     /// Replaced worlds, which the other end frees: a tick does not free memory.
     gone: rtrb::Producer<Box<Other>>,
@@ -115,8 +115,8 @@ pub fn changing_world(described: World, world: RenderedWorld) -> (Worlds, Changi
         before: None,
         fade: Fade::none(devices),
         held: vec![Wrench::NONE; devices],
-        asked: vec![Wrench::NONE; devices],
-        asked_before: vec![Wrench::NONE; devices],
+        asked: vec![Line::NONE; devices],
+        asked_before: vec![Line::NONE; devices],
         coming,
         gone,
     };
@@ -276,7 +276,7 @@ impl Renders for ChangingWorld {
         self.generation
     }
 
-    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Wrench]) -> Answer {
+    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Line]) -> Answer {
         if let Some(mut other) = self.next.take() {
             other.world.resume(&self.world, &other.succession);
             std::mem::swap(&mut self.world, &mut other.world);
@@ -297,8 +297,11 @@ impl Renders for ChangingWorld {
             self.fade.end();
         }
         let elapsed = sample.elapsed.unwrap_or_else(|| self.world.period());
-        let wanted = self.asked.iter().copied();
-        let as_before = is_compared.then_some(&*self.asked_before);
+        let wanted = self.asked.iter().map(|asked| asked.wrench);
+        let as_before = |device: usize| {
+            let before = self.asked_before.get(device).filter(|_| is_compared);
+            before.map(|before| before.wrench)
+        };
         if self.fade.answer(wanted, as_before, elapsed, &mut self.held) {
             self.world.keep_within(&mut self.held);
         }
@@ -308,12 +311,12 @@ impl Renders for ChangingWorld {
             self.disable_output(before);
         }
         for (asked, held) in asked.iter_mut().zip(&self.held) {
-            *asked = *held;
+            *asked = (*held).into();
         }
         answer
     }
 
-    fn report_written(&mut self, device: usize, held: Wrench, sent: Option<Wrench>) {
+    fn report_written(&mut self, device: usize, held: Line, sent: Option<Line>) {
         self.world.report_written(device, held, sent);
     }
 

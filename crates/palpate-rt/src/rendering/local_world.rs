@@ -2,7 +2,7 @@
 
 use palpate_core::Actuation;
 use palpate_device::clock::Clock;
-use palpate_device::{Device, Vector, Wrench};
+use palpate_device::{Device, Line, Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags, Phase};
 use palpate_world::engine::BodyNow;
 use palpate_world::engine::local::{
@@ -158,7 +158,7 @@ impl Renders for LocalWorld {
         "coupled"
     }
 
-    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Wrench]) -> Answer {
+    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Line]) -> Answer {
         let device = sample.devices.first().copied().unwrap_or_default();
         if let Some(held) = device.held
             && self.acts_at_once
@@ -180,10 +180,7 @@ impl Renders for LocalWorld {
         self.created
             .close(recorded, fault.is_some(), sample.was_off);
         if let Some(asked) = asked.first_mut() {
-            *asked = Wrench {
-                force: self.frame.on_device(force),
-                torque: [0.0; 3],
-            };
+            *asked = Wrench::of_force(self.frame.on_device(force)).into();
         }
         Answer {
             coordinate: 0.0,
@@ -191,13 +188,13 @@ impl Renders for LocalWorld {
         }
     }
 
-    fn report_written(&mut self, _: usize, held: Wrench, sent: Option<Wrench>) {
+    fn report_written(&mut self, _: usize, held: Line, sent: Option<Line>) {
         let sent = if self.acts_at_once {
             held
         } else {
             sent.unwrap_or(held)
         };
-        self.report(sent);
+        self.report(sent.wrench);
     }
 
     fn account(&mut self, sequence: u64, _: Vector) {

@@ -1,9 +1,7 @@
 //! One contact along an axis of the device's frame, in the loop.
 
-use palpate_core::{
-    Actuation, Allowed, AlongAxis, Hold, Output, Parameter, ParameterError, Sample,
-};
-use palpate_device::{Vector, Wrench};
+use palpate_core::{Actuation, AlongAxis, Hold, Output, ParameterError, Sample};
+use palpate_device::{Line, Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags};
 
 use super::renders::{Answer, DeviceSample, DeviceSamples, Renders};
@@ -20,19 +18,14 @@ pub struct OneContact {
     delivered: Delivered,
     /// Last rendered sample: position of the device and output of the renderer.
     last: Option<(Vector, Output<f64>)>,
+    /// Whether the output of the last sample has not been written yet.
+    is_new: bool,
     said: ContactTick,
 }
 
 impl OneContact {
-    /// Creates a contact along the first axis of the device. Rejects a line hold.
+    /// Creates a contact along the first axis of the device.
     pub(crate) fn new(rendering: Rendering) -> Result<Self, ParameterError> {
-        if rendering.loop_params.actuation.hold == Hold::Line {
-            return Err(ParameterError {
-                parameter: Parameter::HoldOrder,
-                value: 1.0,
-                allowed: Allowed::Words("0, a constant: a driver's wrench is held constant"),
-            });
-        }
         let (parameters, rendered) = parameters(rendering)?;
         Ok(Self {
             axis: AlongAxis::new([0.0; 3], [1.0, 0.0, 0.0])?,
@@ -40,6 +33,7 @@ impl OneContact {
             parameters: Some(parameters),
             delivered: Delivered::default(),
             last: None,
+            is_new: false,
             said: ContactTick::default(),
         })
     }
@@ -87,7 +81,7 @@ impl Renders for OneContact {
         self.rendered.generation()
     }
 
-    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Wrench]) -> Answer {
+    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Line]) -> Answer {
         // A loop has at least one device.
         let DeviceSample { position, held, .. } =
             sample.devices.first().copied().unwrap_or_default();
@@ -106,8 +100,12 @@ impl Renders for OneContact {
         let after = self.rendered.ledger();
         self.delivered.close(&before, after, sample.was_off);
         self.last = Some((position, output));
+        self.is_new = true;
         if let Some(asked) = asked.first_mut() {
-            *asked = Wrench::of_force(self.axis.vector(output.force_on_device));
+            *asked = Line {
+                slope: self.axis.vector(output.slope_on_device),
+                ..Wrench::of_force(self.axis.vector(output.force_on_device)).into()
+            };
         }
         Answer {
             coordinate,
@@ -115,10 +113,20 @@ impl Renders for OneContact {
         }
     }
 
-    fn report_written(&mut self, _: usize, held: Wrench, sent: Option<Wrench>) {
-        if self.takes_sent_forces() {
-            let sent = self.along_axis(sent.unwrap_or(held).force);
-            self.rendered.report_sent(-sent);
+    fn report_written(&mut self, _: usize, held: Line, sent: Option<Line>) {
+        let is_new = std::mem::take(&mut self.is_new);
+        let holds_lines = self.actuation().hold == Hold::Line;
+        if !holds_lines && !self.takes_sent_forces() {
+            return;
+        }
+        let sent = sent.unwrap_or(held);
+        let force = -self.along_axis(sent.wrench.force);
+        if !holds_lines {
+            self.rendered.report_sent(force);
+        } else if is_new {
+            // Without a new sample the force stays at the end of its line, which is part of the model.
+            let slope = -self.along_axis(sent.slope);
+            self.rendered.report_sent_line(force, slope);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Interface between a loop and its rendering: poses in, wrenches out.
 
 use palpate_core::{Actuation, Fault};
-use palpate_device::{Vector, Wrench};
+use palpate_device::{Line, Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 
 use super::{Parameters, Rendering};
@@ -49,13 +49,13 @@ pub trait Renders: Send {
         0
     }
 
-    /// Renders a fresh sample of all devices. Writes the requested wrench of each device, before the limits of its
-    /// safety, to `asked`.
-    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Wrench]) -> Answer;
+    /// Renders a fresh sample of all devices. Writes the requested line of each device, before the limits of its
+    /// safety, to `asked`; its duration is that of the loop.
+    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Line]) -> Answer;
 
-    /// Reports the wrench that a device holds from now on, and the wrench sent to its motors if the device reports it
+    /// Reports the line that a device holds from now on, and the line sent to its motors if the device reports it
     /// separately.
-    fn report_written(&mut self, device: usize, held: Wrench, sent: Option<Wrench>);
+    fn report_written(&mut self, device: usize, held: Line, sent: Option<Line>);
 
     /// Prepares the data of tick number `sequence`, at which the first device holds `delivered` `[N]`.
     fn account(&mut self, sequence: u64, delivered: Vector);
@@ -114,7 +114,7 @@ pub struct DeviceSample {
     pub position: Vector,
     /// Orientation, a unit quaternion `[w, x, y, z]`, if the device measures it.
     pub orientation: Option<[f64; 4]>,
-    /// Mean wrench held since the last sample; `None` before the first command.
+    /// Mean of the wrench held since the last sample; `None` before the first command.
     pub held: Option<Wrench>,
 }
 

@@ -1,7 +1,7 @@
 //! A world in the loop.
 
 use palpate_core::Actuation;
-use palpate_device::{Vector, Wrench};
+use palpate_device::{Line, Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 use palpate_world::{
     Limited, Sample, Succession, Tool, World, WorldErrors, WorldRenderer, WorldState,
@@ -187,7 +187,7 @@ impl Renders for RenderedWorld {
         self.method
     }
 
-    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Wrench]) -> Answer {
+    fn step(&mut self, sample: &DeviceSamples<'_>, asked: &mut [Line]) -> Answer {
         for (number, device) in sample.devices.iter().enumerate() {
             if let Some(held) = device.held
                 && self.acts_at_once
@@ -211,10 +211,11 @@ impl Renders for RenderedWorld {
         );
         let answers = output.forces.iter().zip(output.torques).zip(&self.frames);
         for (asked, ((&force, &torque), frame)) in asked.iter_mut().zip(answers) {
-            *asked = Wrench {
+            let wrench = Wrench {
                 force: frame.on_device(force),
                 torque,
             };
+            *asked = wrench.into();
         }
         let fault = output.fault.map(|fault| fault.fault);
         self.limited = output.limited;
@@ -227,13 +228,13 @@ impl Renders for RenderedWorld {
         }
     }
 
-    fn report_written(&mut self, device: usize, held: Wrench, sent: Option<Wrench>) {
+    fn report_written(&mut self, device: usize, held: Line, sent: Option<Line>) {
         let sent = if self.acts_at_once {
             held
         } else {
             sent.unwrap_or(held)
         };
-        self.report(device, sent);
+        self.report(device, sent.wrench);
     }
 
     fn account(&mut self, sequence: u64, _: Vector) {

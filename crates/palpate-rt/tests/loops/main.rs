@@ -5,6 +5,7 @@
 mod change;
 mod faults;
 mod letting_go;
+mod lines;
 mod local_world;
 mod motors_off;
 mod recoveries;

@@ -154,6 +154,7 @@ fn with_a_longer_soft_start_recoveries_count_for_longer() {
                 position: [0.0; 3],
                 coordinate: 0.0,
                 wrench: Wrench::of_force([1.0, 0.0, 0.0]),
+                slope: [0.0; 3],
                 created_energy: 0.0,
                 refused: false,
                 stalled,

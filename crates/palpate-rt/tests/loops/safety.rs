@@ -16,6 +16,7 @@ fn sample(position: [f64; 3], force: f64) -> Rendered {
         position,
         coordinate: position[0],
         wrench: Wrench::of_force([force, 0.0, 0.0]),
+        slope: [0.0; 3],
         created_energy: 0.0,
         refused: false,
         stalled: false,

@@ -261,6 +261,7 @@ impl<C: Clock> Shaker<C> {
             position: pose.position,
             coordinate,
             wrench: Wrench::of_force(self.axis.vector(force)),
+            slope: [0.0; 3],
             created_energy: 0.0,
             refused: false,
             stalled,

@@ -196,7 +196,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Like [`run`](Self::run), for a variant of this bench's scene: a copy with other settings of its methods, another
-    /// guard, another model mass or model actuator, or, if the loop is perfect otherwise, another delay. The ideal
+    /// guard or hold, another model mass or model actuator, or, if the loop is perfect otherwise, another delay. The ideal
     /// depends on none of them, so one bench serves all such scenes.
     ///
     /// # Errors
@@ -204,6 +204,9 @@ impl<'a> Bench<'a> {
     pub fn run_varied(&self, scene: &Scene, method: MethodName) -> Result<Run, LoopError> {
         if !self.evaluates(scene) {
             return Err(LoopError::AnotherScene);
+        }
+        if scene.hold() != self.scene.hold() {
+            scene.check().map_err(SetupError::from)?;
         }
         if scene.delay == self.scene.delay {
             return self.run_built_in(&self.timeline, scene, method);
@@ -222,6 +225,7 @@ impl<'a> Bench<'a> {
         let mut own = self.scene.clone();
         own.settings.clone_from(&scene.settings);
         own.loop_params.guard = scene.loop_params.guard;
+        own.loop_params.actuation.hold = scene.loop_params.actuation.hold;
         // Whole samples: another fraction or time cuts the grid of the ideal elsewhere.
         if let (
             Delay::Periods { samples, .. },

@@ -55,6 +55,29 @@ impl VirtualDevice {
         -delivered.work
     }
 
+    /// Advances by `duration` `[s]` under a line on the device: its mean over this duration `[N]` and its slope `[N/s]`, as
+    /// [`given_line`](Self::given_line) limits them. Returns the work of the delivered force `[J]`.
+    pub fn hold_line(&mut self, mean: f64, slope: f64, duration: f64) -> f64 {
+        let (mean, slope) = (-self.sign * mean, -self.sign * slope);
+        let delivered = self
+            .actuator
+            .drive_line(&mut self.plant, mean, slope, duration);
+        -delivered.work
+    }
+
+    /// Line on the device that is sent to the motor where it is to hold a line of this `mean` `[N]` and `slope` `[N/s]` over
+    /// `period` `[s]`: the mean is limited, then the slope such that both ends are within the limit.
+    #[must_use]
+    pub fn given_line(&self, mean: f64, slope: f64, period: f64) -> (f64, f64) {
+        let given = self.given_force(mean);
+        if slope == 0.0 || period <= 0.0 {
+            return (given, 0.0);
+        }
+        let room = (self.given_force(f64::INFINITY).abs() - given.abs()).max(0.0);
+        let steepest = room / (0.5 * period);
+        (given, slope.clamp(-steepest, steepest))
+    }
+
     /// Force on the device that is sent to the motor where it is to hold `force` `[N]`.
     #[must_use]
     pub fn given_force(&self, force: f64) -> f64 {

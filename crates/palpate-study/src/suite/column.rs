@@ -4,12 +4,12 @@ use std::collections::HashMap;
 
 use serde::Deserialize;
 
-use palpate_core::Guard;
+use palpate_core::{Guard, Hold};
 
 use palpate_scene::method::{
     MethodName, SettingKey, Settings, SettingsError, deserialize_settings, method_named,
 };
-use palpate_scene::{GuardBounds, GuardMode, Scene, in_plain_words};
+use palpate_scene::{GuardBounds, GuardMode, Scene, SetupError, in_plain_words};
 
 /// A method with settings and a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +25,8 @@ pub struct Column {
     pub dampings: Option<Dampings>,
     /// Guard that replaces the scene's guard.
     pub guard: Option<Guard<f64>>,
+    /// Hold of the actuator that replaces the scene's hold.
+    pub hold: Option<Hold>,
 }
 
 /// Values of a method's damping.
@@ -79,6 +81,7 @@ impl Column {
             settings: Settings::default(),
             dampings: None,
             guard: None,
+            hold: None,
         }
     }
 
@@ -87,7 +90,9 @@ impl Column {
     pub(crate) fn candidates(&self, scene: &Scene) -> Vec<(Option<f64>, Scene)> {
         let with = |settings: Settings| {
             let mut varied = scene.clone();
-            varied.loop_params.guard = self.guard.unwrap_or(varied.loop_params.guard);
+            let loop_params = &mut varied.loop_params;
+            loop_params.guard = self.guard.unwrap_or(loop_params.guard);
+            loop_params.actuation.hold = self.hold.unwrap_or(loop_params.actuation.hold);
             let entry = varied.settings.entry(self.method).or_default();
             *entry = settings.or(*entry);
             varied
@@ -106,8 +111,8 @@ impl Column {
 
     /// Reads columns from TOML. Each column is a table under its name, with a `method` and the keys that scenes have
     /// under `[methods.NAME]`. A list of dampings, or `damping_over_k_t` with one value or a list, can replace the
-    /// damping; the best value of a list on each scene is used. `guard` has the keys of `[render]`. The columns
-    /// keep the order of the file.
+    /// damping; the best value of a list on each scene is used. `guard` has the keys of `[render]`, `hold` that of
+    /// `[loop]`. The columns keep the order of the file.
     ///
     /// # Errors
     /// The text is not TOML, there is no column, a method is missing or unknown, or a key does not belong to the
@@ -155,6 +160,14 @@ impl Column {
             .map(RawGuard::deserialize)
             .transpose()
             .map_err(|error| wrong(format!("guard: {}", in_plain_words(error.message()))))?;
+        let hold = keys
+            .remove("hold")
+            .map(Hold::deserialize)
+            .transpose()
+            .map_err(|error| wrong(format!("hold: {}", in_plain_words(error.message()))))?;
+        if hold == Some(Hold::Line) && method != MethodName::Coupled {
+            return Err(wrong(SetupError::HoldsConstant(method).to_string()));
+        }
         let settings: Settings =
             deserialize_settings(keys).map_err(|error| wrong(in_plain_words(error.message())))?;
         if let Some(setting) = method.unused(&settings) {
@@ -171,6 +184,7 @@ impl Column {
             settings,
             dampings,
             guard: guard.map(RawGuard::guard).transpose().map_err(wrong)?,
+            hold,
         })
     }
 }

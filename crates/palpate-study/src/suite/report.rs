@@ -90,7 +90,9 @@ pub struct ConditionReport {
     /// Comparison with the column with the least median, plant by plant; none for that column.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub more_than_least: Option<Paired>,
-    /// FRE over the zero-order-hold bound.
+    /// FRE `[%]`.
+    pub force_rendering_error_percent: Quantiles,
+    /// FRE over the bound of the column's hold.
     pub error_over_bound: Quantiles,
     /// Peak force over that of the ideal.
     pub peak_over_ideal_peak: Quantiles,
@@ -116,7 +118,7 @@ pub struct OverSeeds {
     pub quantile_90_percent: Spread,
     /// Largest E `[%]`.
     pub largest_percent: Spread,
-    /// Median of FRE over the zero-order-hold bound.
+    /// Median of FRE over the bound of the column's hold.
     pub error_over_bound: Spread,
     /// Number of plants on which the loop diverged.
     pub diverged: Spread,
@@ -153,6 +155,16 @@ pub struct Quantiles {
     pub largest: Option<f64>,
 }
 
+impl Quantiles {
+    fn of_two([median, nine_tenths]: [f64; 2]) -> Self {
+        Self {
+            median,
+            quantile_90: Some(nine_tenths),
+            ..Self::default()
+        }
+    }
+}
+
 impl ConditionReport {
     fn new(
         condition: Condition,
@@ -176,11 +188,8 @@ impl ConditionReport {
             },
             median_interval_percent: interval,
             more_than_least,
-            error_over_bound: Quantiles {
-                median: summary.error_over_bound[0],
-                quantile_90: Some(summary.error_over_bound[1]),
-                ..Quantiles::default()
-            },
+            force_rendering_error_percent: Quantiles::of_two(summary.force_error),
+            error_over_bound: Quantiles::of_two(summary.error_over_bound),
             peak_over_ideal_peak: Quantiles {
                 median: summary.peak_ratio[0],
                 largest: Some(summary.peak_ratio[1]),

@@ -18,7 +18,9 @@ pub struct Score {
     pub column: usize,
     /// Mean-force error E `[%]`.
     pub error: f64,
-    /// FRE over the zero-order-hold bound; infinite if the bound is 0.
+    /// FRE `[%]`.
+    pub force_error: f64,
+    /// FRE over the bound of the column's hold; infinite if the bound is 0.
     pub error_over_bound: f64,
     /// Largest held force over the largest of the ideal.
     pub peak_ratio: f64,
@@ -40,6 +42,7 @@ impl Evaluated {
             condition: trial.condition,
             column: trial.column,
             error: trial.fidelity.mean_force_error,
+            force_error: trial.fidelity.force_rendering_error,
             error_over_bound: trial.fidelity.error_over_bound.unwrap_or(f64::INFINITY),
             peak_ratio: trial.force.peak_force / trial.ideal_peak,
             diverged: trial.diverged,

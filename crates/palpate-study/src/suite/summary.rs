@@ -12,7 +12,9 @@ pub struct Summary {
     pub condition: usize,
     /// Mean-force error E `[%]`: median, 75 %, 90 %, largest.
     pub error: [f64; 4],
-    /// FRE over the zero-order-hold bound: median and 90 %.
+    /// FRE `[%]`: median and 90 %.
+    pub force_error: [f64; 2],
+    /// FRE over the bound of the column's hold: median and 90 %.
     pub error_over_bound: [f64; 2],
     /// Number of plants on which the loop diverged.
     pub diverged: usize,
@@ -44,6 +46,7 @@ pub(super) fn summary_of(scores: &[Score], column: usize, condition: usize) -> O
         values
     };
     let errors = sorted(&|score| score.error);
+    let force_errors = sorted(&|score| score.force_error);
     let ratios = sorted(&|score| score.error_over_bound);
     let peaks = sorted(&|score| score.peak_ratio);
     Some(Summary {
@@ -55,6 +58,7 @@ pub(super) fn summary_of(scores: &[Score], column: usize, condition: usize) -> O
             quantile(&errors, 0.9)?,
             quantile(&errors, 1.0)?,
         ],
+        force_error: [quantile(&force_errors, 0.5)?, quantile(&force_errors, 0.9)?],
         error_over_bound: [quantile(&ratios, 0.5)?, quantile(&ratios, 0.9)?],
         diverged: trials().filter(|score| score.diverged).count(),
         held_back: trials().filter(|score| score.limited > 0).count(),

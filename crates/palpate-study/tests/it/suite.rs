@@ -493,6 +493,45 @@ guard = { mode = \"limit\", speed_m_per_s = 2 }
 }
 
 #[test]
+fn a_line_column_is_nearer_than_the_constant_beside_it() {
+    let text = include_str!("../../../../experiments/columns/line-hold.toml");
+    let columns = Column::parse(text).unwrap();
+    let evaluated = run(Set::Paper, 1, 60, &columns, || ()).unwrap();
+    let [constant, line] = [0, 1].map(|column| summary(&evaluated, column, 0).unwrap());
+    println!("{constant:?}\n{line:?}");
+    assert!(line.force_error[0] < 0.3 * constant.force_error[0]);
+    assert!(line.force_error[1] < constant.force_error[1]);
+    for one in &evaluated {
+        // The bound of a column is that of its hold.
+        let [constant, line, ..] = &one.trials[..] else {
+            panic!("{:?}", one.trials.len());
+        };
+        assert!(line.fidelity.hold_bound < constant.fidelity.hold_bound);
+        let fidelity = line.fidelity;
+        assert!(fidelity.force_rendering_error >= fidelity.hold_bound * (1.0 - 1e-9));
+    }
+    let unlike = |text: &str| Column::parse(text).unwrap_err().to_string();
+    let error = unlike("[a]\nmethod = \"hfcr\"\nhold = \"line\"");
+    assert!(
+        error.starts_with("column a: hfcr plans a constant force"),
+        "{error}"
+    );
+    let error = unlike("[a]\nmethod = \"coupled\"\nhold = \"curve\"");
+    assert!(
+        error.contains("hold: ") && error.contains("`line`"),
+        "{error}"
+    );
+    // A device with a lag holds no line.
+    let error = run(Set::Real, 1, 1, &columns, || ())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.starts_with("column line on plant 0: loop.lag_s is"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_column_that_cannot_be_run_is_named() {
     let column = Column {
         name: "wrong".into(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use palpate_core::{Guard, HandBound};
+use palpate_core::{Guard, HandBound, Hold};
 use palpate_scene::{ContactFile, Grip, Intention, Scene};
 use palpate_testbed::recorded_path::RecordedPath;
 
@@ -56,6 +56,10 @@ fn every_key_is_written() {
         least_mass: 0.1,
     };
     assert_eq!((params.hand, params.recovery), (Some(hand), 0.01));
+    let coupled = GOOD.replace("method = \"hfcr\"", "method = \"coupled\"");
+    let of_line = coupled.replace("slew_limit_n_per_s = 1000\n", "");
+    let of_line = of_line.replace("delay_samples = 0", "hold = \"line\"");
+    assert_eq!(assert_written("line", &of_line).hold(), Hold::Line);
     for (from, to) in [
         ("\"a block\"", "\"a \\\"block\\\", \\\\ and a\\ttab\""),
         (MOVING, "fixed = true\nposition_m = [0.05, 0.0, 0.0]\n"),

@@ -5,7 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use palpate_device::clock::Clock;
-use palpate_device::{Capabilities, Cut, Device, DeviceError, Pose, Vector, Wrench, ZeroWriter};
+use palpate_device::{
+    Capabilities, Cut, Device, DeviceError, Line, Pose, Vector, Wrench, ZeroWriter,
+};
 use palpate_scene::ActuatorParams;
 use palpate_scene::world::{WorldActuator, WorldDevice};
 use palpate_testbed::InvalidParameter;
@@ -220,8 +222,8 @@ impl<C: Clock> Device for SpatialDevice<C> {
         Ok(self.held)
     }
 
-    fn last_sent(&self) -> Option<Wrench> {
-        Some(self.written)
+    fn last_sent(&self) -> Option<Line> {
+        Some(self.written.into())
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
@@ -417,18 +419,19 @@ impl<C: Clock> Device for SpatialPointer<C> {
         })
     }
 
-    fn last_sent(&self) -> Option<Wrench> {
+    fn last_sent(&self) -> Option<Line> {
         let mut sent = [0.0; 3];
         for (axis, sent) in self.axes.iter().zip(&mut sent) {
             if let PointerAxis::Moves(pointer) = axis {
-                [*sent, ..] = pointer.last_sent()?.force;
+                [*sent, ..] = pointer.last_sent()?.wrench.force;
             }
         }
         let turning = self.turning.as_ref();
-        Some(Wrench {
+        let sent = Wrench {
             force: self.device.out(sent),
             torque: turning.map_or([0.0; 3], TurningPointer::last_sent),
-        })
+        };
+        Some(sent.into())
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

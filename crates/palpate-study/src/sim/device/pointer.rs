@@ -26,7 +26,7 @@ use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::measure::Sampler;
 
 use palpate_device::clock::Clock;
-use palpate_device::{Capabilities, Cut, Device, DeviceError, Pose, Wrench, ZeroWriter};
+use palpate_device::{Capabilities, Cut, Device, DeviceError, Line, Pose, Wrench, ZeroWriter};
 
 /// Parameters of a pointer's device and its hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -511,8 +511,8 @@ impl<C: Clock> Device for PointerDevice<C> {
         Ok([force, 0.0, 0.0].into())
     }
 
-    fn last_sent(&self) -> Option<Wrench> {
-        Some([self.sent, 0.0, 0.0].into())
+    fn last_sent(&self) -> Option<Line> {
+        Some(Wrench::of_force([self.sent, 0.0, 0.0]).into())
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

@@ -9,7 +9,7 @@ use palpate_testbed::InvalidParameter;
 use palpate_testbed::hold::DelayedHold;
 
 use palpate_device::clock::Clock;
-use palpate_device::{Capabilities, Cut, Device, DeviceError, Pose, Wrench, ZeroWriter};
+use palpate_device::{Capabilities, Cut, Device, DeviceError, Line, Pose, Wrench, ZeroWriter};
 
 /// Most forces that begin later: those of the longest delay that a scene can state.
 const MAX_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
@@ -23,16 +23,18 @@ pub struct SimulatedDevice<C> {
     device: VirtualDevice,
     moved_until: Option<Duration>,
     sampled: Option<Duration>,
-    /// Force on the device that the motor holds `[N]`.
-    held: f64,
-    /// Forces on their way to the motor, oldest first.
-    on_their_way: Vec<f64>,
+    /// Line on the device that the motor holds.
+    held: Line,
+    /// Instant at which that line began.
+    begun: Duration,
+    /// Lines on their way to the motor, oldest first.
+    on_their_way: Vec<Line>,
     /// Time from a write to the beginning of its force, where that is not counted in writes.
     late: Duration,
-    /// Forces that begin later, with the instant of each, oldest first.
-    later: VecDeque<(Duration, f64)>,
-    /// Force on the device that was written last `[N]`.
-    written: f64,
+    /// Lines that begin later, with the instant of each, oldest first.
+    later: VecDeque<(Duration, Line)>,
+    /// Line on the device that was written last.
+    written: Line,
     cut: Cut,
 }
 
@@ -56,16 +58,19 @@ impl<C: Clock> SimulatedDevice<C> {
                 largest_force: scene.device.largest_force(),
                 effective_mass: Some(scene.device.mass()),
                 encoder_quantum: (!linkage).then_some(scene.device.encoder_quantum()),
+                // The motors of a linkage hold torques, and a lag delivers no line.
+                holds_lines: !linkage && scene.actuator.lag == 0.0,
                 ..Capabilities::unknown(name, 1)
             },
             device: VirtualDevice::new(scene)?,
             moved_until: None,
             sampled: None,
-            held: 0.0,
-            on_their_way: vec![0.0; scene.delay.whole_samples()],
+            held: Line::NONE,
+            begun: Duration::ZERO,
+            on_their_way: vec![Line::NONE; scene.delay.whole_samples()],
             late: Duration::try_from_secs_f64(scene.delay.seconds()).unwrap_or_default(),
             later: VecDeque::with_capacity(MAX_LATER),
-            written: 0.0,
+            written: Line::NONE,
             cut: Cut::none(),
         })
     }
@@ -82,8 +87,8 @@ impl<C: Clock> SimulatedDevice<C> {
         let mut from = *self.moved_until.get_or_insert(now);
         if let Some(cut) = self.cut.between(from, now) {
             self.hold(from, cut);
-            self.held = 0.0;
-            self.on_their_way.fill(0.0);
+            self.held = Line::NONE;
+            self.on_their_way.fill(Line::NONE);
             self.later.clear();
             from = cut;
         }
@@ -96,18 +101,77 @@ impl<C: Clock> SimulatedDevice<C> {
 
     /// Moves under what is held, and under what begins on the way.
     fn hold(&mut self, mut from: Duration, until: Duration) {
-        while let Some(&(begins, force)) = self.later.front()
+        while let Some(&(begins, line)) = self.later.front()
             && begins <= until
         {
-            let before = begins.saturating_sub(from).as_secs_f64();
-            if before > 0.0 {
-                self.device.hold(self.held, before);
+            if begins > from {
+                self.drive(from, begins);
                 from = begins;
             }
-            self.held = force;
+            (self.held, self.begun) = (line, begins);
             self.later.pop_front();
         }
-        self.device.hold(self.held, (until - from).as_secs_f64());
+        self.drive(from, until);
+    }
+
+    /// Moves under the line that the motor holds: to its end, then under its last value.
+    fn drive(&mut self, mut from: Duration, until: Duration) {
+        let line = self.given(self.held);
+        let over = self.begun.saturating_add(line.duration);
+        if !line.is_constant() && from < over {
+            let ends = until.min(over);
+            let middle = ((from + ends) / 2).saturating_sub(self.begun);
+            let ([mean, ..], [slope, ..]) = (line.at(middle).force, line.slope);
+            self.device
+                .hold_line(mean, slope, (ends - from).as_secs_f64());
+            from = ends;
+            if from == until {
+                return;
+            }
+        }
+        let rest = if self.held.is_constant() {
+            self.held
+        } else {
+            line
+        };
+        let [force, ..] = rest.end().force;
+        self.device.hold(force, (until - from).as_secs_f64());
+    }
+
+    /// Commands a line, and returns what the motor holds.
+    fn command(&mut self, line: Line) -> Line {
+        let now = self.move_on();
+        self.cut.is_over();
+        self.written = line;
+        if self.late > Duration::ZERO {
+            if self.later.len() == MAX_LATER {
+                self.later.pop_front();
+            }
+            self.later.push_back((now + self.late, line));
+            return self.given(self.held);
+        }
+        (self.held, self.begun) = (line, now);
+        if let Some(oldest) = self.on_their_way.first().copied() {
+            self.on_their_way.rotate_left(1);
+            if let Some(newest) = self.on_their_way.last_mut() {
+                *newest = line;
+            }
+            self.held = oldest;
+        }
+        self.given(self.held)
+    }
+
+    /// Returns what the motor gives of a line.
+    fn given(&self, line: Line) -> Line {
+        let ([force, ..], [slope, ..]) = (line.wrench.force, line.slope);
+        let (force, slope) = self
+            .device
+            .given_line(force, slope, line.duration.as_secs_f64());
+        Line {
+            wrench: Wrench::of_force([force, 0.0, 0.0]),
+            slope: [slope, 0.0, 0.0],
+            duration: line.duration,
+        }
     }
 }
 
@@ -128,30 +192,15 @@ impl<C: Clock> Device for SimulatedDevice<C> {
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
-        let now = self.move_on();
-        self.cut.is_over();
-        let [force, ..] = wrench.force;
-        self.written = force;
-        if self.late > Duration::ZERO {
-            if self.later.len() == MAX_LATER {
-                self.later.pop_front();
-            }
-            self.later.push_back((now + self.late, force));
-            return Ok([self.device.given_force(self.held), 0.0, 0.0].into());
-        }
-        self.held = force;
-        if let Some(oldest) = self.on_their_way.first().copied() {
-            self.on_their_way.rotate_left(1);
-            if let Some(newest) = self.on_their_way.last_mut() {
-                *newest = force;
-            }
-            self.held = oldest;
-        }
-        Ok([self.device.given_force(self.held), 0.0, 0.0].into())
+        Ok(self.command(wrench.into()).wrench)
     }
 
-    fn last_sent(&self) -> Option<Wrench> {
-        Some([self.device.given_force(self.written), 0.0, 0.0].into())
+    fn write_line(&mut self, line: Line) -> Result<Line, DeviceError> {
+        Ok(self.command(line))
+    }
+
+    fn last_sent(&self) -> Option<Line> {
+        Some(self.given(self.written))
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

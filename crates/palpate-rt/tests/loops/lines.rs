@@ -1,0 +1,318 @@
+//! Loops on devices that hold lines.
+
+use std::time::Duration;
+
+use palpate_core::Hold;
+use palpate_device::clock::SteppedClock;
+use palpate_device::{
+    Capabilities, Device, DeviceError, DeviceErrorKind, Line, Pose, ScriptedDevice, Step, Wrench,
+};
+use palpate_record::recording::{Row, Tick};
+use palpate_rt::safety::{Rendered, Safety, SafetyParams, SafetyStop};
+use palpate_rt::{ControlLoop, SetupError};
+use palpate_scene::method::MethodName;
+use palpate_scene::{Delay, Scene};
+use palpate_study::sim::closed_loop::Bench;
+use palpate_study::sim::device::SimulatedDevice;
+
+use crate::{at, scene, simulated, wide};
+
+fn line_scene(name: &str) -> Scene {
+    let mut scene = scene(name);
+    scene.method = MethodName::Coupled;
+    scene.loop_params.actuation.hold = Hold::Line;
+    scene
+}
+
+/// Returns the larger end of the held line of a tick `[N]`.
+fn larger_end(tick: &Tick, period: f64) -> f64 {
+    tick.delivered_force[0].abs() + 0.5 * period * tick.delivered_slope[0].abs()
+}
+
+#[test]
+fn it_is_the_loop_of_the_simulator_with_delays_too() {
+    for name in ["fig2.toml", "experiment1.toml", "experiment2.toml"] {
+        for delay in [0.0, 1.0, 0.4] {
+            let mut scene = line_scene(name);
+            if delay == 1.0 {
+                scene.delay = Delay::samples(1);
+            } else if delay > 0.0 {
+                scene.delay = Delay::Seconds(delay * scene.loop_params.period);
+            }
+            let bench = Bench::new(&scene).unwrap();
+            let expected = bench.run(MethodName::Coupled).unwrap();
+            let (mut control, _) = simulated(&scene, MethodName::Coupled, wide());
+            let scale = expected.force.peak_force;
+            let (mut sloped, mut last) = (0, None);
+            for expected in &expected.ticks {
+                let Row { tick, contact, .. } = control.tick();
+                let off = contact.force_on_object - expected.output.force_on_object;
+                assert!(
+                    off.abs() < 1e-6 * scale,
+                    "{name} {delay}: {off} N at {} s",
+                    expected.time
+                );
+                if delay == 0.0 {
+                    let slope = tick.delivered_slope[0] - expected.output.slope_on_device;
+                    assert!(slope.abs() * scene.loop_params.period < 1e-6 * scale);
+                    sloped += u32::from(tick.delivered_slope[0] != 0.0);
+                }
+                last = Some((contact, expected.ledger));
+            }
+            let (contact, ledger) = last.unwrap();
+            assert!((contact.port_work - ledger.port_work).abs() < 1e-6 * ledger.port_work.abs());
+            assert!(delay > 0.0 || sloped > 10, "{sloped}");
+        }
+    }
+}
+
+#[test]
+fn limits_of_the_safety_and_of_the_motor_bound_both_ends() {
+    let period = scene("experiment2.toml").loop_params.period;
+    let limited = |motor: Option<f64>, safety: f64| {
+        let mut scene = line_scene("experiment2.toml");
+        scene.device.point_mass_mut().unwrap().largest_force = motor;
+        let limits = SafetyParams {
+            largest_force: safety,
+            ..wide()
+        };
+        let (mut control, _) = simulated(&scene, MethodName::Coupled, limits);
+        let ticks = (0..60).map(|_| control.tick().tick);
+        let ticks: Vec<Tick> = ticks.collect();
+        let sloped = ticks.iter().filter(|tick| tick.delivered_slope[0] != 0.0);
+        assert!(sloped.count() > 5);
+        let ends = ticks.iter().map(|tick| larger_end(tick, period));
+        ends.fold(0.0, f64::max)
+    };
+    let free = limited(None, 1e6);
+    let by_motor = limited(Some(4.0), 1e6);
+    let by_safety = limited(None, 4.0);
+    println!(
+        "largest end {free} N, limited by the motor {by_motor} N, by the safety {by_safety} N"
+    );
+    assert!(free > 5.0);
+    for limited in [by_motor, by_safety] {
+        assert!(limited <= 4.0 * (1.0 + 1e-12) && limited > 3.9);
+    }
+}
+
+/// Mean and slope that a safety commands for each of many random lines.
+#[test]
+fn a_safety_bounds_length_and_rate_of_every_line() {
+    const PERIOD: f64 = 0.001;
+    let mut state = 1_u64;
+    let mut random = |size: f64| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        size * ((state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
+    };
+    for (limit, slew) in [(3.0, f64::INFINITY), (3.0, 800.0), (1e3, 2000.0)] {
+        let limits = SafetyParams {
+            largest_force: limit,
+            slew_limit: slew,
+            soft_start: 0.02,
+            largest_speed: f64::INFINITY,
+            ..SafetyParams::default()
+        };
+        let mut safety = Safety::new(limits, PERIOD).unwrap();
+        let (mut end, mut kept, mut cut) = ([0.0; 3], 0, 0);
+        for number in 0..2000 {
+            let huge = if number % 50 == 7 { 1e150 } else { 1.0 };
+            let rendered = Rendered {
+                elapsed: Some(PERIOD),
+                position: [0.0; 3],
+                coordinate: 0.0,
+                wrench: [end[0] + random(1.0), end[1] + random(1.0), 0.0].into(),
+                slope: [huge * random(1e3), huge * random(1e3), 0.0],
+                created_energy: 0.0,
+                refused: false,
+                stalled: false,
+            };
+            let verdict = safety.evaluate(&rendered);
+            let to = |half: f64| {
+                let ends = verdict.wrench.force.iter().zip(verdict.slope);
+                let mut ends = ends.map(|(force, slope)| force + half * PERIOD * slope);
+                [(); 3].map(|()| ends.next().unwrap())
+            };
+            let length = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let begin = to(-0.5);
+            let jump = length([begin[0] - end[0], begin[1] - end[1], 0.0]);
+            assert!(jump <= slew * PERIOD * (1.0 + 1e-9), "{jump} {verdict:?}");
+            assert!(length(verdict.slope) <= slew * (1.0 + 1e-9), "{verdict:?}");
+            end = to(0.5);
+            assert!(
+                length(begin).max(length(end)) <= limit * (1.0 + 1e-9),
+                "{verdict:?}"
+            );
+            kept += u32::from(verdict.slope == rendered.slope);
+            cut += u32::from(verdict.slope != rendered.slope && verdict.slope != [0.0; 3]);
+        }
+        println!("{limit} N, {slew} N/s: {kept} lines unchanged, {cut} gentler");
+        assert!(kept > 20 && (cut > 20 || slew < 1e4), "{kept} {cut}");
+    }
+    let mut safety = Safety::new(wide(), PERIOD).unwrap();
+    let verdict = safety.evaluate(&Rendered {
+        elapsed: Some(PERIOD),
+        position: [0.0; 3],
+        coordinate: 0.0,
+        wrench: Wrench::NONE,
+        slope: [f64::NAN, 0.0, 0.0],
+        created_energy: 0.0,
+        refused: false,
+        stalled: false,
+    });
+    assert_eq!(
+        (verdict.slope, verdict.stopped),
+        ([0.0; 3], Some(SafetyStop::NotANumber))
+    );
+}
+
+/// A line ends with its period: a late loop finds the device as if the line's last value had been held from then on.
+#[test]
+fn a_missed_deadline_leaves_the_end_of_the_line() {
+    let scene = line_scene("experiment1.toml");
+    let period = scene.loop_params.period;
+    let (mut control, clock) = simulated(&scene, MethodName::Coupled, wide());
+    let mut before = control.tick();
+    // The force rises in contact.
+    while before.tick.delivered_slope[0].abs() * period < 0.3 {
+        before = control.tick();
+    }
+    let (position, velocity) = {
+        let device = control.device().device();
+        (device.position(), device.velocity())
+    };
+    let late = 2.5 * period;
+    clock.advance(Duration::from_secs_f64(late));
+    let after = control.tick();
+    let (mass, push) = (scene.device.mass(), scene.device.hand_force());
+    let (mean, slope) = (
+        before.tick.delivered_force[0],
+        before.tick.delivered_slope[0],
+    );
+    let end = mean + 0.5 * period * slope;
+    let speed = velocity + (push + mean) / mass * period;
+    let place = position + (velocity + 0.5 * (push + mean) / mass * period) * period
+        - slope * period.powi(3) / (12.0 * mass);
+    let rest = late - period;
+    let expected = place + (speed + 0.5 * (push + end) / mass * rest) * rest;
+    let ran_on = 0.5 * slope * rest * rest * rest / (3.0 * mass);
+    let found = after.tick.device_axes[0];
+    println!("{found} m, expected {expected} m; a line that ran on would be off by {ran_on} m");
+    assert!((found - expected).abs() < 1e-9 && ran_on.abs() > 1e-6);
+    // The ledger has the work of what was held.
+    let done = -(control.device().device().position() - position);
+    let work = before.contact.port_work - after.contact.port_work;
+    assert!(work.abs() > 0.0 && work.abs() < 2.0 * end.abs() * done.abs());
+}
+
+/// A scripted device that holds lines and remembers what was commanded.
+struct Remembers {
+    device: ScriptedDevice<SteppedClock>,
+    capabilities: Capabilities,
+    lines: Vec<Line>,
+}
+
+impl Device for Remembers {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Pose, DeviceError> {
+        self.device.read()
+    }
+
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        self.lines.push(wrench.into());
+        self.device.write(wrench)
+    }
+
+    fn write_line(&mut self, line: Line) -> Result<Line, DeviceError> {
+        self.lines.push(line);
+        Ok(line)
+    }
+}
+
+fn remembering(
+    script: Vec<Step>,
+    holds_lines: bool,
+) -> Result<ControlLoop<Remembers, SteppedClock>, SetupError> {
+    let mut pressed = line_scene("wall.toml");
+    pressed.contact.stiffness = 1000.0;
+    pressed.object.position = 0.0;
+    pressed.loop_params.period = 0.01;
+    pressed.loop_params.largest_gap = None;
+    pressed.virtual_force = 0.0;
+    let clock = SteppedClock::new();
+    let device = Remembers {
+        device: ScriptedDevice::new(clock.clone(), 1, script),
+        capabilities: Capabilities {
+            holds_lines,
+            ..Capabilities::unknown("scripted", 1)
+        },
+        lines: Vec::new(),
+    };
+    let rendering = pressed.rendering(MethodName::Coupled).unwrap();
+    ControlLoop::new(device, clock, rendering, wide())
+}
+
+#[test]
+fn without_a_sample_the_end_of_the_line_is_held_for_a_period_then_nothing() {
+    let mut script = vec![at(-2.0), at(-1.0), at(0.0), at(1.0), at(2.0)];
+    script.extend([Step::Fails(DeviceErrorKind::NothingNew); 3]);
+    let mut control = remembering(script, true).unwrap();
+    let ticks: Vec<Tick> = (0..7).map(|_| control.tick().tick).collect();
+    let lines = &control.device().lines;
+    let last = lines[4];
+    println!("{lines:?}");
+    assert!(!last.is_constant() && last.duration == Duration::from_millis(10));
+    assert!(last.wrench.force[0] < -0.5);
+    assert_eq!(lines[5], Line::from(last.end()));
+    assert_eq!(lines[6], Line::NONE);
+    // What is recorded is what is held.
+    for (tick, line) in ticks.iter().zip(lines) {
+        assert_eq!(tick.delivered_force, line.wrench.force);
+        assert_eq!(tick.delivered_slope, line.slope);
+    }
+}
+
+#[test]
+fn a_line_is_cut_at_once() {
+    let clock = SteppedClock::new();
+    let mut device = SimulatedDevice::new(&scene("wall.toml"), clock.clone()).unwrap();
+    let mut still = device.clone();
+    let mut zero = device.zero_writer().unwrap();
+    let line = Line {
+        wrench: Wrench::of_force([-3.0, 0.0, 0.0]),
+        slope: [100.0, 0.0, 0.0],
+        duration: Duration::from_millis(10),
+    };
+    device.read().unwrap();
+    device.write_line(line).unwrap();
+    clock.advance(Duration::from_millis(4));
+    zero.write_zero();
+    clock.advance(Duration::from_millis(6));
+    let cut = device.read().unwrap().position[0];
+    // From a device that holds the line for 4 ms, then nothing.
+    let clock = SteppedClock::new();
+    let mut expected = SimulatedDevice::new(&scene("wall.toml"), clock.clone()).unwrap();
+    expected.read().unwrap();
+    expected.write_line(line).unwrap();
+    clock.advance(Duration::from_millis(4));
+    expected.write(Wrench::NONE).unwrap();
+    clock.advance(Duration::from_millis(6));
+    let expected = expected.read().unwrap().position[0];
+    assert_eq!(cut, expected);
+    let still = still.read().unwrap().position[0];
+    assert!((cut - still).abs() > 1e-9);
+}
+
+#[test]
+fn a_device_that_holds_constants_is_refused_with_the_way_out() {
+    let error = remembering(vec![at(0.0)], false).err().unwrap();
+    assert_eq!(error, SetupError::HoldsConstant);
+    let message = error.to_string();
+    assert!(message.contains("this device holds constants") && message.contains("loop.hold"));
+    assert!(remembering(vec![at(0.0)], true).is_ok());
+}
