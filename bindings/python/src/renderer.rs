@@ -87,6 +87,7 @@ impl Renderer {
             position: [coordinate, 0.0, 0.0],
             coordinate,
             wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
+            slope: [0.0; 3],
             created_energy: self.state.ledger().created(),
             refused: !is_used,
             stalled: false,

@@ -147,7 +147,13 @@ pub fn suite_part(
             } = score;
             (
                 (plant, condition, column, redrawn),
-                (ideal_error, error, force_error, error_over_bound, peak_ratio),
+                (
+                    ideal_error,
+                    error,
+                    force_error,
+                    error_over_bound,
+                    peak_ratio,
+                ),
                 (diverged, samples, limited),
             )
         });

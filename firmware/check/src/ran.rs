@@ -20,6 +20,10 @@ pub enum Scene {
     StallOfAll,
     Glitch,
     StartInside,
+    HostConstants,
+    HostLines,
+    HostLineLate,
+    HostLinesSilent,
 }
 
 /// Status numbers of the loop: `palpate_firmware_knob::Status`.
@@ -78,16 +82,33 @@ pub struct Phases {
     pub of_supervisor: u32,
 }
 
+/// Period of the host in ticks of the loop, if it renders: 100 to 1000 Hz are 40 to 4 ticks.
+pub const HOST_TICKS: u32 = 16;
+
 /// Runs `scene` on `core`.
 ///
 /// # Errors
 /// The program does not run, or its output is invalid.
 pub fn ran(core: Core, scene: Scene, phases: Phases) -> Result<Ran, Box<dyn Error>> {
+    ran_by_host(core, scene, phases, HOST_TICKS)
+}
+
+/// Runs `scene` on `core` with a host of a period of `host_ticks`.
+///
+/// # Errors
+/// Those of [`ran`].
+pub fn ran_by_host(
+    core: Core,
+    scene: Scene,
+    phases: Phases,
+    host_ticks: u32,
+) -> Result<Ran, Box<dyn Error>> {
     // Words of `emulated::Pins` of the board.
     let words = [
         (PINS, scene as u32),
         (PINS + 44, phases.of_loop),
         (PINS + 48, phases.of_supervisor),
+        (PINS + 52, host_ticks),
     ];
     let said = core.run("knob", Time::Real, &words)?;
     let mut ran = Ran {

@@ -10,12 +10,17 @@
 //!
 //! Without a trusted state there is no force: see [`Status`].
 
+#[cfg(test)]
+extern crate std;
+
 mod drive;
 mod knob;
+mod line_hold;
 mod sensor;
 mod supervisor;
 
 pub use drive::Drive;
 pub use knob::{Answer, Knob, KnobParams, Status, WhenSilent};
+pub use line_hold::{HostLine, LineHold, LineHoldParams};
 pub use sensor::Sensor;
 pub use supervisor::{Supervisor, Verdict};

@@ -119,12 +119,7 @@ impl Stream {
         output.limited.force |= verdict.bounded.force;
         output.limited.slew |= verdict.bounded.slew;
         let [force, ..] = verdict.wrench.force;
-        // A line is sent as it was planned, or as a constant.
-        let slope = if force == output.force_on_device {
-            output.slope_on_device
-        } else {
-            0.0
-        };
+        let [slope, ..] = verdict.slope;
         self.rendered.report_sent_line(-force, -slope);
         // Keep the time of a rejected line. If it is wrong, only the next line is rejected too; otherwise a clock that
         // was set would cause all following lines to be rejected.
@@ -177,6 +172,7 @@ impl Stream {
             position: [if is_used { position } else { 0.0 }, 0.0, 0.0],
             coordinate: if is_used { position } else { 0.0 },
             wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
+            slope: [output.slope_on_device, 0.0, 0.0],
             created_energy: self.rendered.ledger().created(),
             refused: !is_used,
             stalled: false,

@@ -3,6 +3,7 @@
 //! advances it 20000 times a second.
 #![allow(unsafe_code)] // the world lies in memory that Rust does not know
 
+mod host;
 mod scene;
 
 use core::fmt::{self, Write};
@@ -12,6 +13,7 @@ use crate::emulator::{Lines, exit};
 use crate::example::PARAMS;
 use crate::handle::{Handle, STEP};
 use crate::mps2::watchdog;
+pub use host::{Host, LEAD};
 pub use scene::{Scene, Stall};
 
 /// Address of the pins, to which QEMU's loader writes the scene's number and the phases.
@@ -53,6 +55,17 @@ pub struct Pins {
     pub loop_phase: AtomicU32,
     /// Delay of the first check of the supervisor.
     pub supervisor_phase: AtomicU32,
+    /// Period of the host in ticks of the loop; written by the emulator's loader.
+    pub host_ticks: AtomicU32,
+    /// What the board sends to the host: the number of a tick, written last, and the count of that tick.
+    pub sampled: AtomicU32,
+    pub sampled_count: AtomicU32,
+    /// What the host sends to the board: the number of its sample's tick, written last, and the bits of its line.
+    pub line_of: AtomicU32,
+    pub line_mean: AtomicU32,
+    pub line_slope: AtomicU32,
+    /// Whether the host's next message is to come late.
+    pub is_late: AtomicBool,
 }
 
 impl Pins {
@@ -140,6 +153,9 @@ impl World {
             self.event = Some(self.steps);
             pins.stall
                 .store(self.scene.stall() as u32, Ordering::Relaxed);
+        }
+        if self.event == Some(self.steps) && self.scene.has_late_line() {
+            pins.is_late.store(true, Ordering::Relaxed);
         }
         let since = self.event.map(|event| self.steps - event);
         if self.scene.has_glitch() && since.is_some_and(|since| since < LOGGED_EVERY) {

@@ -27,6 +27,14 @@ pub enum Scene {
     Glitch,
     /// The board starts while the hand holds the rim inside the wall.
     StartInside,
+    /// The bouncing rim, on a wall of the host, whose constant forces the board holds.
+    HostConstants,
+    /// The same with the host's lines.
+    HostLines,
+    /// A line of the host comes one and a half of its periods late.
+    HostLineLate,
+    /// The host is silent from 0.4 to 0.8 s.
+    HostLinesSilent,
 }
 
 /// Stall of a loop.
@@ -54,6 +62,10 @@ impl Scene {
             6 => Self::StallOfAll,
             7 => Self::Glitch,
             8 => Self::StartInside,
+            9 => Self::HostConstants,
+            10 => Self::HostLines,
+            11 => Self::HostLineLate,
+            12 => Self::HostLinesSilent,
             other => panic!("no scene {other}"),
         }
     }
@@ -92,7 +104,8 @@ impl Scene {
 
     /// Returns the force of the hand on the rim `[N]` at `time` `[s]`: constant, or a spring to the hand's position.
     pub fn hand(self, time: f32, handle: &Handle) -> f32 {
-        if matches!(self, Self::Wall | Self::WallByHfcr | Self::WallByBasic) {
+        let bounces = matches!(self, Self::Wall | Self::WallByHfcr | Self::WallByBasic);
+        if bounces || self.is_of_the_host() {
             // After the soft start, so that only the wall is evaluated.
             return if time < 0.06 { 0.0 } else { 1.0 };
         }
@@ -123,6 +136,19 @@ impl Scene {
             Self::StallOfAll => Stall::Masked,
             _ => Stall::Not,
         }
+    }
+
+    /// Whether the host renders the wall.
+    pub fn is_of_the_host(self) -> bool {
+        matches!(
+            self,
+            Self::HostConstants | Self::HostLines | Self::HostLineLate | Self::HostLinesSilent
+        )
+    }
+
+    /// Whether the event is a late message of the host.
+    pub fn has_late_line(self) -> bool {
+        self == Self::HostLineLate
     }
 
     /// Whether the event is a jump of the sensor.
