@@ -126,8 +126,8 @@ pub trait Device: Send {
     }
 
     /// Returns the part of the last command that is sent to the motors, if it differs from the result of
-    /// [`write`](Self::write) or [`write_line`](Self::write_line). A device that models its delay returns what is
-    /// currently held from these, and what is held later from this function. `None`, the default: the result of these.
+    /// [`write`](Self::write) or [`write_line`](Self::write_line). A device that models its delay returns the
+    /// currently held line from these, and the line held later from this function. `None`, the default: the result of these.
     fn last_sent(&self) -> Option<Line> {
         None
     }

@@ -13,7 +13,7 @@ use palpate_world::{
 use crate::created_energy::CreatedEnergy;
 use crate::fade::Fade;
 use crate::safety::{
-    Bounded, Observation, Rendered, Safety, SafetyError, SafetyParams, SafetyStop,
+    Bounded, Observation, Rendered, Safety, SafetyError, SafetyParams, SafetyStop, check_value,
 };
 
 /// Safety of each device of a world.
@@ -184,6 +184,13 @@ impl BoundedWorld {
     /// # Errors
     /// The name and the allowed range of the first limit outside its range.
     pub fn new(renderer: WorldRenderer, limits: SafetyParams) -> Result<Self, SafetyError> {
+        let hold = renderer.loop_params().actuation.hold;
+        check_value(
+            "order of the hold",
+            if hold.is_constant() { 0.0 } else { 1.0 },
+            hold.is_constant(),
+            "0, a constant: a bounded world returns forces without slopes; set loop.hold = \"constant\"",
+        )?;
         let state = renderer.start();
         let tools = state.tools().len();
         Ok(Self {

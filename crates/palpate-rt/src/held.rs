@@ -15,7 +15,7 @@ pub(crate) struct HeldSince {
     /// Impulse `[N s]` and angular impulse `[N m s]`.
     impulse: Wrench,
     span: f64,
-    /// What was held before the current zero wrench.
+    /// Line held before the current zero wrench.
     before_none: Option<BeforeNone>,
 }
 
@@ -45,7 +45,7 @@ impl HeldSince {
             });
         }
         self.settle(now);
-        // A line is no constant before and after its end.
+        // A line differs from its own mean.
         let is_same = line.is_constant() && line.wrench == self.line.wrench;
         self.changed |= !self.line.is_constant() || (self.span > 0.0 && !is_same);
         (self.line, self.begun) = (line, now);

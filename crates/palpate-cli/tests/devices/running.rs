@@ -42,8 +42,11 @@ fn a_fast_run_loses_nothing_of_its_recording() {
 #[test]
 fn a_fast_run_is_a_simulation() {
     let folder = folder_with_scenes();
-    for method in ["hfcr", "coupled"] {
-        let flags = format!("--method {method}");
+    for (method, flags) in [
+        ("hfcr", "--method hfcr"),
+        ("coupled", "--method coupled"),
+        ("line", "--method coupled --set loop.hold=line"),
+    ] {
         folder.succeed(&format!(
             "run fig2.toml --record {method}.mcap --fast --duration 1 {flags}"
         ));
@@ -60,6 +63,8 @@ fn a_fast_run_is_a_simulation() {
             .collect();
         let rows = rows(&folder, &format!("{method}.mcap"));
         assert_eq!(rows.len(), 100);
+        let sloped = |row: &Row| row.tick.delivered_slope[0] != 0.0;
+        assert_eq!(rows.iter().any(sloped), method == "line");
         assert!(simulated.iter().any(|force| *force > 1.0));
         for (row, force) in rows.iter().zip(&simulated) {
             assert!(
@@ -251,6 +256,11 @@ fn what_cannot_be_run_is_named() {
         ("run wall.toml --priority 100", 2, "100"),
         ("run wall.toml --motion x.csv", 2, "--device replay"),
         ("run wall.toml --period 11", 3, "a nanosecond to 10 s"),
+        (
+            "run fig2.toml --device pointer --method coupled --set loop.hold=line",
+            3,
+            "this device holds constants; use a device that holds lines",
+        ),
         ("run nowhere.toml", 1, "nowhere.toml"),
         (
             "run wall.toml --record wall.toml --fast",

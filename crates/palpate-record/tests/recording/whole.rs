@@ -177,7 +177,7 @@ fn metadata_is_the_first_record_after_the_header() {
 }
 
 fn any_tick() -> impl Strategy<Value = Tick> {
-    (vec(any::<u64>(), 25), any::<u32>(), any::<u32>()).prop_map(|(bits, generation, flags)| {
+    (vec(any::<u64>(), 28), any::<u32>(), any::<u32>()).prop_map(|(bits, generation, flags)| {
         let of = |quantity: usize| f64::from_bits(bits[quantity]);
         let vector = |quantity: usize| [of(quantity), of(quantity + 1), of(quantity + 2)];
         Tick {
@@ -190,6 +190,7 @@ fn any_tick() -> impl Strategy<Value = Tick> {
             commanded_force: vector(10),
             commanded_torque: vector(13),
             delivered_force: vector(16),
+            delivered_slope: vector(25),
             delivered_torque: vector(19),
             tick_duration: of(22),
             device_round_trip: of(23),

@@ -1,6 +1,6 @@
 //! A world in the loop.
 
-use palpate_core::Actuation;
+use palpate_core::{Actuation, Hold};
 use palpate_device::{Line, Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 use palpate_world::{
@@ -88,6 +88,9 @@ impl RenderedWorld {
                 world: tools,
                 given: frames.len(),
             });
+        }
+        if renderer.loop_params().actuation.hold == Hold::Line {
+            return Err(SetupError::WorldHoldsConstants);
         }
         let turns: Vec<_> = world.tools.iter().map(Turns::new).collect();
         let mut placed = turns.iter().zip(&frames);

@@ -205,7 +205,7 @@ impl SafetyParams {
 }
 
 /// Rejects a value that is not `fine`.
-fn check_value(
+pub(crate) fn check_value(
     name: &'static str,
     value: f64,
     fine: bool,

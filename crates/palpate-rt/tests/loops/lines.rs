@@ -201,7 +201,7 @@ fn a_missed_deadline_leaves_the_end_of_the_line() {
     let found = after.tick.device_axes[0];
     println!("{found} m, expected {expected} m; a line that ran on would be off by {ran_on} m");
     assert!((found - expected).abs() < 1e-9 && ran_on.abs() > 1e-6);
-    // The ledger has the work of what was held.
+    // The ledger has the work of the held force.
     let done = -(control.device().device().position() - position);
     let work = before.contact.port_work - after.contact.port_work;
     assert!(work.abs() > 0.0 && work.abs() < 2.0 * end.abs() * done.abs());
@@ -270,7 +270,7 @@ fn without_a_sample_the_end_of_the_line_is_held_for_a_period_then_nothing() {
     assert!(last.wrench.force[0] < -0.5);
     assert_eq!(lines[5], Line::from(last.end()));
     assert_eq!(lines[6], Line::NONE);
-    // What is recorded is what is held.
+    // The recorded lines are the held ones.
     for (tick, line) in ticks.iter().zip(lines) {
         assert_eq!(tick.delivered_force, line.wrench.force);
         assert_eq!(tick.delivered_slope, line.slope);

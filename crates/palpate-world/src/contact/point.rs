@@ -53,6 +53,8 @@ pub(crate) struct Touch {
 pub(crate) struct Past {
     /// Impulse on the first `[N s]`.
     pub impulse: Vector3,
+    /// First moment of this impulse about the beginning `[N s^2]`.
+    pub moment: Vector3,
     /// Angular impulse on the tool of the two about its mass centre `[N m s]`.
     pub angular_impulse: Vector3,
     /// Work on the first and the second together `[J]`.
@@ -181,11 +183,12 @@ impl Touch {
         self.mode != other.mode || !self.is_apart() && self.normal.dot(&other.normal) < SAME_FACE
     }
 
-    /// Adds half a sub-step under the force to the sums. The relative velocity changes linearly to `relative`; the
-    /// tool, if one of the two is, moves with its own mean velocity.
-    pub fn entry(&mut self, relative: &Vector3, tool: Option<(&Part, f64)>, half: f64) {
+    /// Adds half a sub-step under the force, whose impulse acts `at` `[s]`, to the sums. The relative velocity changes
+    /// linearly to `relative`; the tool, if one of the two is, moves with its own mean velocity.
+    pub fn entry(&mut self, relative: &Vector3, tool: Option<(&Part, f64)>, [half, at]: [f64; 2]) {
         let impulse = self.force * half;
         self.past.impulse += impulse;
+        self.past.moment += impulse * at;
         let apparent = half * self.apparent_power;
         self.past.work += 0.5 * impulse.dot(&(self.relative + relative)) + apparent;
         if let Some((part, sign)) = tool {

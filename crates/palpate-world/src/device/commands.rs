@@ -237,13 +237,16 @@ impl Commands {
         self.actuator.gain()
     }
 
-    pub fn send(&mut self, intended: &[Vector3], sent: &[Vector]) {
-        for (tool, (intended, sent)) in self.tools.iter_mut().zip(intended.iter().zip(sent)) {
+    /// Sends the command of each tool, with its slope `[N/s]`; a missing slope counts as 0.
+    pub fn send(&mut self, intended: &[Vector3], sent: &[Vector], slopes: &[Vector]) {
+        let slopes = slopes.iter().chain(core::iter::repeat(&[0.0; 3]));
+        let commands = intended.iter().zip(sent).zip(slopes);
+        for (tool, ((intended, sent), slope)) in self.tools.iter_mut().zip(commands) {
             for (axis, under_way) in tool.under_way.iter_mut().enumerate() {
                 under_way.send(Command {
                     intended: intended[axis],
                     sent: sent[axis],
-                    slope: 0.0,
+                    slope: slope[axis],
                 });
             }
         }

@@ -1,6 +1,6 @@
 //! Loop parameters of a world.
 
-use palpate_core::{Actuation, Hold, Range};
+use palpate_core::{Actuation, Range};
 
 use crate::error::out_of_range;
 use crate::{SubSteps, WorldError, WorldField, WorldGuard, WorldPart};
@@ -157,10 +157,6 @@ impl WorldLoop {
             for error in timed.faults() {
                 fault(WorldField::Actuation, error.to_string());
             }
-        }
-        if self.actuation.hold == Hold::Line {
-            let message = "the actuation holds a line; devices of a world hold a constant";
-            fault(WorldField::Actuation, message.to_owned());
         }
         faults
     }

@@ -99,6 +99,9 @@ pub struct WorldFault {
 pub struct Output<'a> {
     /// Force on each tool, which its device exerts on the hand until the next sample `[N]`.
     pub forces: &'a [Vector],
+    /// Slope of each force `[N/s]`: with a line hold the force is `force + slope (t - T/2)` for t from 0 to the period T,
+    /// then its last value; otherwise 0.
+    pub slopes: &'a [Vector],
     /// Torque on each tool about its mass centre, along the world's axes, held until the next sample `[N m]`; zero
     /// for a tool that does not turn.
     pub torques: &'a [Vector],

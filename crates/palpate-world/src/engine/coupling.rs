@@ -1,6 +1,6 @@
 //! The device side of a period: device estimates, proxy states and held forces.
 
-use palpate_core::Fault;
+use palpate_core::{Fault, Hold};
 
 use super::contact_point::Touch;
 use super::image::{Image, ImageOffset};
@@ -41,6 +41,17 @@ impl Coupling {
         mut faults: Vec<WorldError>,
     ) -> Result<Self, WorldErrors> {
         faults.extend(loop_params.faults(tools.len()));
+        if loop_params.actuation.hold == Hold::Line {
+            let message = format!(
+                "the actuation holds a line, but devices beside {bodies} bodies hold a constant"
+            );
+            faults.push(WorldError::new(
+                WorldPart::Loop,
+                WorldField::Actuation,
+                "the loop",
+                message,
+            ));
+        }
         if loop_params.guard != WorldGuard::Off {
             let message = format!(
                 "guard is on, but {bodies} bodies have no energy ledger for it; turn it off"
@@ -210,7 +221,7 @@ impl Coupling {
             state.forces.fill([0.0; 3]);
             self.disable_output(state);
         }
-        state.commands.send(&state.intended, &state.forces);
+        state.commands.send(&state.intended, &state.forces, &[]);
         self.publish(state);
     }
 

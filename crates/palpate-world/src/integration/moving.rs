@@ -38,6 +38,8 @@ pub(crate) struct Moving {
     pub held: HeldTools,
     /// Force limits of the tools; empty if the motion has none.
     pub limits: Vec<ForceLimit>,
+    /// Time since the interval began `[s]`.
+    pub elapsed: f64,
 }
 
 impl Moving {
@@ -76,6 +78,7 @@ impl Moving {
         for limit in &mut self.limits {
             limit.has_acted = false;
         }
+        self.elapsed = 0.0;
         for touch in &mut self.touches {
             touch.past = Past::default();
         }
@@ -313,6 +316,7 @@ impl SubStepped for Moving {
             self.touches[number].copy_from(&other.touches[number]);
         }
         self.held.copy_near_from(&other.held, self.nearby.numbers());
+        self.elapsed = other.elapsed;
         self.copy_between(other);
     }
 
@@ -335,12 +339,14 @@ impl SubStepped for Moving {
             }
             let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
             let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
-            touch.entry(&relative, tool_of(&self.parts, point, self.tools), half);
+            let tool = tool_of(&self.parts, point, self.tools);
+            touch.entry(&relative, tool, [half, self.elapsed]);
             touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
         }
         for link in &mut self.links {
             link.entry(&self.parts, half);
         }
+        self.elapsed += h;
         for part in self.moving_parts() {
             part.drift(h);
         }
@@ -366,7 +372,8 @@ impl SubStepped for Moving {
             if !self.expects_the_missed {
                 touch.missed = 0.0;
             }
-            touch.entry(&relative, tool_of(&self.parts, point, self.tools), half);
+            let tool = tool_of(&self.parts, point, self.tools);
+            touch.entry(&relative, tool, [half, self.elapsed]);
             touch.relative = relative;
         }
         for link in &mut self.links {

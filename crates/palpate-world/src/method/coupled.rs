@@ -1,5 +1,6 @@
 //! Coupled rendering: predicts devices and world together, and holds the mean contact force.
 
+use super::coupled_impulse::Impulse;
 use super::coupled_ledger::{Moved, ToolInterval, Turned};
 use super::coupled_motions::Motions;
 use super::coupled_proxy::ProxyState;
@@ -13,6 +14,7 @@ use crate::integration::interval::advance;
 use crate::integration::moving::Moving;
 use crate::method::state::{Progress, show_contacts};
 use crate::{Effort, Limited, Vector, WorldRenderer};
+use palpate_core::Hold;
 
 /// Coupled rendering, with checked parameters.
 #[derive(Clone, Debug)]
@@ -253,12 +255,14 @@ impl Coupled {
         elapsed: f64,
     ) {
         let acted = state.commands.passed(tool);
+        let contacts = Impulse::on(&state.now, renderer, tool);
         let Impulse {
             linear: impulse,
             angular: angular_impulse,
             work,
             touched,
-        } = impulse_on(&state.now, renderer, tool);
+            ..
+        } = contacts;
         let start = device.ahead;
         // The force removed by a limit is not compensated: the proxy is computed relative to the device under the
         // unlimited force.
@@ -287,7 +291,13 @@ impl Coupled {
             acted,
             way,
             moved: position - device.measured,
+            bend: if renderer.loop_params.actuation.hold == Hold::Line {
+                (end.of(|axis| axis.velocity) - start.of(|axis| axis.velocity)) / elapsed
+            } else {
+                Vector3::zeros()
+            },
             mean,
+            lead: contacts.lead(elapsed),
             mean_torque,
             turned,
             elapsed,
@@ -413,12 +423,13 @@ impl Coupled {
     ) {
         for (tool, (device, intended)) in memory.devices.iter().zip(&mut state.intended).enumerate()
         {
+            let contacts = Impulse::on(&state.ahead, renderer, tool);
             let Impulse {
                 linear: impulse,
                 angular,
                 touched,
                 ..
-            } = impulse_on(&state.ahead, renderer, tool);
+            } = contacts;
             if let Some((turning, prior)) = &device.turning
                 && !prior.led
             {
@@ -448,6 +459,8 @@ impl Coupled {
             let residual = self.residual(tool, device, [start.position, start.velocity], period);
             let mean = impulse / period + device.ahead.axes.out(&residual);
             *intended = state.commands.command(tool, &mean, period);
+            let gain = state.commands.gain();
+            state.slopes.plan(tool, &contacts, gain, period);
         }
     }
 }
@@ -531,36 +544,6 @@ pub(super) fn exchange_gathered(begins: &mut Moving, other: &mut Moving) {
     for (surface, other) in begins.surfaces.iter_mut().zip(&mut other.surfaces) {
         surface.exchange_gathered(other);
     }
-}
-
-/// Effect of the contacts on a tool over an interval.
-struct Impulse {
-    /// Impulse `[N s]`.
-    linear: Vector3,
-    /// Angular impulse about the mass centre; only for a tool that turns `[N m s]`.
-    angular: Vector3,
-    /// Work `[J]`.
-    work: f64,
-    /// Whether the tool was touched.
-    touched: bool,
-}
-
-fn impulse_on(moving: &Moving, renderer: &WorldRenderer, tool: usize) -> Impulse {
-    let mut sum = Impulse {
-        linear: Vector3::zeros(),
-        angular: Vector3::zeros(),
-        work: 0.0,
-        touched: false,
-    };
-    for (point, touch) in renderer.points.iter().zip(&moving.touches) {
-        if let Some(sign) = point.sign_on(tool) {
-            sum.linear += touch.past.impulse * sign;
-            sum.angular += touch.past.angular_impulse;
-            sum.work += touch.past.work_on_tool;
-            sum.touched |= !touch.is_apart() || touch.past.impulse != Vector3::zeros();
-        }
-    }
-    sum
 }
 
 impl CoupledMemory {

@@ -82,8 +82,13 @@ pub(super) struct ToolInterval<'a> {
     pub way: Vector3,
     /// Measured displacement of the device `[m]`.
     pub moved: Vector3,
+    /// Acceleration of the estimated device with a line hold, else 0 `[m/s^2]`. A force that comes early by a lead does
+    /// less work by its product with the lead.
+    pub bend: Vector3,
     /// Mean contact force `[N]`.
     pub mean: Vector3,
+    /// Lead of the contact force `[N s^2]`.
+    pub lead: Vector3,
     /// Mean contact torque about the mass centre `[N m]`.
     pub mean_torque: Vector3,
     /// Rotation of a tool that turns.
@@ -119,7 +124,8 @@ impl ToolInterval<'_> {
         {
             if let Some(sign) = point.sign_on(tool) {
                 let past = &touch.past;
-                let impulse = past.impulse.dot(way) * sign;
+                let lead = past.impulse * (0.5 * elapsed) - past.moment;
+                let impulse = (past.impulse.dot(way) - lead.dot(&self.bend) * elapsed) * sign;
                 let held = if part.led {
                     // The hand rotates the tool against the contact force itself, not against its mean.
                     entry.carried += past.work_on_led_turn;
@@ -147,7 +153,8 @@ impl ToolInterval<'_> {
         let Self {
             part, acted, way, ..
         } = self;
-        entry.port_work += acted.sent.dot(&self.moved);
+        let by_lead = acted.lead.dot(&self.bend);
+        entry.port_work += acted.sent.dot(&self.moved) - by_lead;
         if let Some(Turned { work, acted, by }) = &self.turned {
             entry.port_work += acted.sent.dot(by);
             entry.offset += part.turning_error - work.by_hand;
@@ -161,8 +168,9 @@ impl ToolInterval<'_> {
             None => motion.gained(part.driven),
             Some(linkage) => motion.gained_by(linkage, work),
         };
-        entry.offset += gained.driven - (gained.device - acted.intended.dot(way));
+        entry.offset += gained.driven - (gained.device - acted.intended.dot(way) + by_lead);
         entry.velocity_offset += gained.more;
         entry.unpaid += self.axes.along(&(self.mean - acted.intended)).dot(way);
+        entry.unpaid -= self.axes.along(&(self.lead - acted.lead)).dot(&self.bend);
     }
 }

@@ -6,6 +6,7 @@
 mod basic;
 pub(crate) mod change;
 pub(crate) mod coupled;
+mod coupled_impulse;
 mod coupled_ledger;
 mod coupled_motions;
 mod coupled_params;
@@ -15,6 +16,7 @@ pub(crate) mod far_side;
 mod god_object;
 mod god_object_proxy;
 mod hfcr;
+mod lines;
 pub(crate) mod renderer;
 mod sampled;
 pub(crate) mod state;

@@ -21,6 +21,7 @@ use crate::geometry::rigid::{Mobility, Rigid, Vector3};
 use crate::integration::moving::Moving;
 use crate::integration::yielding::ForceLimit;
 use crate::method::far_side::Entry;
+use crate::method::lines::{self, Slopes};
 use crate::method::state::{ContactState, Progress, ToolState, WorldState, body_state};
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::{
@@ -91,6 +92,7 @@ impl WorldRenderer {
         let mut mobilities: Vec<_> = parts.iter().map(|part| part.mobility).collect();
         faults.extend(loop_params.faults(tools));
         let described = method.into();
+        faults.extend(lines::faults(&world.tools, &loop_params, &described));
         let method = described.clone().check(&world.tools);
         if let Ok(method) = &method {
             for (tool, mobility) in mobilities[..tools].iter_mut().enumerate() {
@@ -163,6 +165,7 @@ impl WorldRenderer {
             expects_the_missed: false,
             held: self.method.held_tools(self),
             limits: self.limits_in_motion(),
+            elapsed: 0.0,
         };
         let side = |number: usize| Side::new(number, self.tools);
         let contacts = self.points.iter().map(|point| ContactState {
@@ -197,6 +200,7 @@ impl WorldRenderer {
             ),
             intended: vec![Vector3::zeros(); self.tools],
             intended_torques: vec![Vector3::zeros(); self.tools],
+            slopes: Slopes::new(self.tools, &self.loop_params),
             forces: vec![[0.0; 3]; self.tools],
             torques: vec![[0.0; 3]; self.tools],
             tools: vec![ToolState::default(); self.tools],
@@ -265,7 +269,7 @@ impl WorldRenderer {
     }
 
     /// Replaces the last output on a tool by the force that was actually sent `[N]`, for example after saturation.
-    /// Its delay is that of the output. Non-finite values are ignored, and so are components along axes that the
+    /// Its delay is that of the output, and a line becomes this constant. Non-finite values are ignored, and so are components along axes that the
     /// device lacks.
     pub fn report_sent(&self, state: &mut WorldState, tool: usize, mut force: Vector) {
         if let Some(axes) = self.axes.get(tool) {
@@ -313,6 +317,7 @@ impl WorldRenderer {
             Err(fault) => {
                 progress.tracking.in_progress = false;
                 progress.intended.fill(Vector3::zeros());
+                progress.slopes.clear();
                 progress.intended_torques.fill(Vector3::zeros());
                 progress.forces.fill([0.0; 3]);
                 progress.torques.fill([0.0; 3]);
@@ -320,12 +325,11 @@ impl WorldRenderer {
             }
         };
         progress.close_ports();
-        progress.commands.send(&progress.intended, &progress.forces);
-        let torques = &progress.intended_torques;
-        progress.torque_commands.send(torques, &progress.torques);
+        progress.send();
         self.publish(progress, memory);
         Output {
             forces: &progress.forces,
+            slopes: &progress.slopes.sent,
             torques: &progress.torques,
             limited,
             effort,
@@ -364,6 +368,7 @@ impl WorldRenderer {
         state.tracking.trust();
         *effort = effort.and(self.plan(state, memory));
         let intended = state.intended.iter().chain(&state.intended_torques);
+        let intended = intended.chain(&state.slopes.intended);
         if effort.unstable || !intended.flatten().all(|x| x.is_finite()) {
             self.put_back(state);
             return Err(overflow);
@@ -374,6 +379,7 @@ impl WorldRenderer {
         );
         let gain = self.loop_params.actuation.limit_gain();
         limited.force = limit(&state.intended, &mut state.forces, limits.0, gain);
+        limited.force |= state.slopes.limit(&state.forces, &self.loop_params);
         limited.force |= (0..self.tools).any(|tool| state.ahead.has_yielded(tool));
         limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1, gain);
         limited.guard = self.guard(state);
@@ -394,9 +400,12 @@ impl WorldRenderer {
 
     /// Computes the method's forces and torques, restricted to the axes that the devices have.
     fn plan(&self, state: &mut Progress, memory: &mut Memory) -> Effort {
+        state.slopes.clear();
         let effort = self.method.plan(self, state, memory);
-        for (intended, axes) in state.intended.iter_mut().zip(&self.axes) {
+        let slopes = state.slopes.intended.iter_mut();
+        for ((intended, slope), axes) in state.intended.iter_mut().zip(slopes).zip(&self.axes) {
             *intended = axes.along(intended);
+            *slope = axes.along(slope);
         }
         effort
     }

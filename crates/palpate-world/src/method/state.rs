@@ -11,6 +11,7 @@ use crate::geometry::rigid::{Rigid, Vector3, quaternion};
 use crate::integration::moving::Moving;
 use crate::method::Memory;
 use crate::method::far_side::Entry;
+use crate::method::lines::Slopes;
 use crate::{IDENTITY, Quaternion, Vector};
 
 /// State of a world at a sample, created by [`WorldRenderer::start`](crate::WorldRenderer::start) and advanced by
@@ -38,6 +39,8 @@ pub(crate) struct Progress {
     pub intended: Vec<Vector3>,
     /// Torque commanded by the method on each tool `[N m]`.
     pub intended_torques: Vec<Vector3>,
+    /// Slopes of these forces.
+    pub slopes: Slopes,
     pub forces: Vec<Vector>,
     pub torques: Vec<Vector>,
     pub tools: Vec<ToolState>,
@@ -51,6 +54,14 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
+    /// Sends the commands of a sample to the actuators.
+    pub fn send(&mut self) {
+        let (forces, slopes) = (&self.forces, &self.slopes.sent);
+        self.commands.send(&self.intended, forces, slopes);
+        let (intended, torques) = (&self.intended_torques, &self.torques);
+        self.torque_commands.send(intended, torques, &[]);
+    }
+
     /// Updates the energy generated at the ports up to this sample.
     pub fn close_ports(&mut self) {
         let (commands, torque_commands) = (&self.commands, &self.torque_commands);

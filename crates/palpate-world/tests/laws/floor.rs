@@ -3,16 +3,16 @@
 
 use palpate_core::Actuation;
 use palpate_world::{
-    BasicParams, Body, ContactLaw, CoupledParams, Free, Prior, Sample, SubSteps, Vector,
-    VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,
+    BasicParams, Body, ContactLaw, CoupledParams, Free, Prior, Sample, Shape, SubSteps, Tool,
+    Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,
 };
 
 use crate::common::{ball, plane, world};
 use crate::ideal::{Actuators, Ball, Ideal, Law, Plane, Trial, dot};
 
-const DEVICE: Vector = [0.1, 0.16, 0.25];
+pub const DEVICE: Vector = [0.1, 0.16, 0.25];
 
-fn tool(position: Vector, force: Vector) -> Ball {
+pub fn tool(position: Vector, force: Vector) -> Ball {
     Ball {
         position,
         velocity: [0.0; 3],
@@ -25,7 +25,7 @@ fn tool(position: Vector, force: Vector) -> Ball {
     }
 }
 
-fn free_ball(position: Vector, mass: f64, radius: f64, weight: bool) -> Ball {
+pub fn free_ball(position: Vector, mass: f64, radius: f64, weight: bool) -> Ball {
     Ball {
         position,
         mass: [mass; 3],
@@ -37,7 +37,7 @@ fn free_ball(position: Vector, mass: f64, radius: f64, weight: bool) -> Ball {
 }
 
 /// Returns the same world for the renderer.
-fn as_world(ideal: &Ideal, law: ContactLaw) -> World {
+pub fn as_world(ideal: &Ideal, law: ContactLaw) -> World {
     let mut bodies: Vec<Body> = Vec::new();
     for (number, one) in ideal.balls.iter().filter(|ball| !ball.is_tool).enumerate() {
         let free = Free::of_mass(one.mass[0])
@@ -48,16 +48,23 @@ fn as_world(ideal: &Ideal, law: ContactLaw) -> World {
     for (number, one) in ideal.planes.iter().enumerate() {
         bodies.push(plane(&format!("plane {number}"), one.normal));
     }
-    world(ideal.balls[0].radius, bodies, law)
+    let tools = ideal.balls.iter().filter(|ball| ball.is_tool).skip(1);
+    let tools = tools.enumerate().map(|(number, one)| {
+        let radius = one.radius;
+        Tool::new(format!("tool {number}"), Shape::Sphere { radius })
+    });
+    let mut world = world(ideal.balls[0].radius, bodies, law);
+    world.tools.extend(tools);
+    world
 }
 
-struct Case {
-    ideal: Ideal,
-    law: ContactLaw,
-    milliseconds: u32,
+pub struct Case {
+    pub ideal: Ideal,
+    pub law: ContactLaw,
+    pub milliseconds: u32,
 }
 
-fn cases(law: ContactLaw) -> [Case; 4] {
+pub fn cases(law: ContactLaw) -> [Case; 4] {
     let plain = Law {
         stiffness: law.stiffness,
         damping: law.damping,
@@ -145,7 +152,7 @@ fn trial(case: &Case, period: f64, delay: usize) -> Trial {
 }
 
 /// Returns a loop with nearly exact integration.
-fn fine(loop_params: WorldLoop) -> WorldLoop {
+pub fn fine(loop_params: WorldLoop) -> WorldLoop {
     WorldLoop {
         sub_steps: SubSteps {
             phase: 0.003,
@@ -158,7 +165,7 @@ fn fine(loop_params: WorldLoop) -> WorldLoop {
 }
 
 /// Returns coupled rendering with exact device knowledge and without decay of the offset.
-fn exact() -> CoupledParams {
+pub fn exact() -> CoupledParams {
     CoupledParams {
         offset_return: 0.0,
         velocity_return: f64::INFINITY,

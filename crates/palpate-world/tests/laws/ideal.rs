@@ -287,6 +287,11 @@ impl Ideal {
 
     /// Returns the mean contact force on each ball over an interval, and the integral of the squared forces on tools.
     pub fn interval(&mut self, h: f64) -> (Vec<Vector>, f64) {
+        self.interval_in(h, STEPS)
+    }
+
+    /// Returns the same in `steps` steps.
+    pub fn interval_in(&mut self, h: f64, steps: usize) -> (Vec<Vector>, f64) {
         let mut sum = vec![[0.0; 3]; self.balls.len()];
         let mut squares = 0.0;
         let mut take = |ideal: &mut Self, step: f64| {
@@ -298,8 +303,8 @@ impl Ideal {
                 }
             }
         };
-        let step = h / STEPS as f64;
-        for _ in 0..STEPS {
+        let step = h / steps as f64;
+        for _ in 0..steps {
             let touching = self.touching();
             let mut next = self.clone();
             next.step(step);
@@ -312,6 +317,13 @@ impl Ideal {
             }
         }
         (sum, squares)
+    }
+}
+
+impl Ideal {
+    /// Advances by one step of `h` `[s]`.
+    pub fn advance(&mut self, h: f64) {
+        self.step(h);
     }
 }
 

@@ -32,6 +32,7 @@ mod kick;
 mod late_copies;
 mod late_ticks;
 mod ledger;
+mod lines;
 mod local;
 mod meshes;
 mod migration;

@@ -57,10 +57,10 @@ pub struct Pins {
     pub supervisor_phase: AtomicU32,
     /// Period of the host in ticks of the loop; written by the emulator's loader.
     pub host_ticks: AtomicU32,
-    /// What the board sends to the host: the number of a tick, written last, and the count of that tick.
+    /// Sample for the host: the number of a tick, written last, and the count of that tick.
     pub sampled: AtomicU32,
     pub sampled_count: AtomicU32,
-    /// What the host sends to the board: the number of its sample's tick, written last, and the bits of its line.
+    /// Message of the host: the number of its sample's tick, written last, and the bits of its line.
     pub line_of: AtomicU32,
     pub line_mean: AtomicU32,
     pub line_slope: AtomicU32,

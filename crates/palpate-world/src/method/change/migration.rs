@@ -72,6 +72,7 @@ impl WorldRenderer {
         let is_same_method = is_same_timing && self.described == before.described;
         if is_same_timing {
             new.commands.copy_from(&old.commands);
+            new.slopes.copy_from(&old.slopes);
             new.torque_commands.copy_from(&old.torque_commands);
         }
         new.intended.copy_from_slice(&old.intended);

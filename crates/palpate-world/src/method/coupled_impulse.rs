@@ -1,0 +1,48 @@
+//! Effect of the contacts on a tool over an interval.
+
+use crate::WorldRenderer;
+use crate::geometry::rigid::Vector3;
+use crate::integration::moving::Moving;
+
+/// Effect of the contacts on a tool over an interval.
+pub(super) struct Impulse {
+    /// Impulse `[N s]`.
+    pub linear: Vector3,
+    /// First moment of the impulse about the interval's beginning `[N s^2]`.
+    moment: Vector3,
+    /// Angular impulse about the mass centre; only for a tool that turns `[N m s]`.
+    pub angular: Vector3,
+    /// Work `[J]`.
+    pub work: f64,
+    /// Whether the tool was touched.
+    pub touched: bool,
+}
+
+impl Impulse {
+    /// Sums the effects of all contacts of `moving`.
+    pub fn on(moving: &Moving, renderer: &WorldRenderer, tool: usize) -> Self {
+        let mut sum = Self {
+            linear: Vector3::zeros(),
+            moment: Vector3::zeros(),
+            angular: Vector3::zeros(),
+            work: 0.0,
+            touched: false,
+        };
+        for (point, touch) in renderer.points.iter().zip(&moving.touches) {
+            if let Some(sign) = point.sign_on(tool) {
+                sum.linear += touch.past.impulse * sign;
+                sum.moment += touch.past.moment * sign;
+                sum.angular += touch.past.angular_impulse;
+                sum.work += touch.past.work_on_tool;
+                sum.touched |= !touch.is_apart() || touch.past.impulse != Vector3::zeros();
+            }
+        }
+        sum
+    }
+
+    /// Returns the moment by which the impulse comes earlier than that of a constant force, in an interval of `h` `[s]`
+    /// `[N s^2]`.
+    pub fn lead(&self, h: f64) -> Vector3 {
+        self.linear * (0.5 * h) - self.moment
+    }
+}
