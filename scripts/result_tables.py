@@ -338,6 +338,22 @@ def damping_rules(report):
     return table(["", "E, no delay", "E, one sample, modelled"], rows)
 
 
+def line_columns(report):
+    """FRE and E of coupled rendering with each hold, median and 90 %, and FRE over the bound of the hold."""
+    def cell(of, digits):
+        return "/".join(number(of[key], digits) for key in ("median", "quantile_90"))
+
+    rows = []
+    titles = ["no delay", "one sample, modelled", "one sample, unmodelled"]
+    for place, title in enumerate(titles):
+        for column in report["columns"]:
+            of = column["delays"][place]
+            rows.append([f"{title}, {column['name']}", cell(of["force_rendering_error_percent"], 1)])
+            rows[-1] += [cell(of["mean_force_error_percent"], 1), cell(of["error_over_bound"], 2)]
+            rows[-1].append(str(of["diverged"]))
+    return table(["", "FRE %, median/90 %", "E %", "FRE/bound of its hold", "diverged"], rows)
+
+
 def spread(of, digits=1):
     def shown(value):
         return f"{value:.{digits}f}" if value is not None and value < 1e3 else number(value)
@@ -564,6 +580,7 @@ TABLES = {
     "one-seed": ("suite.md", one_seed(0), ONE_SEED),
     "one-seed-modelled-delay": ("suite.md", one_seed(1), ONE_SEED),
     "damping-rules": ("suite.md", damping_rules, [["suite", "--columns", "experiments/columns/damping-rules.toml"]]),
+    "line-columns": ("suite.md", line_columns, [["suite", "--columns", "experiments/columns/line-hold.toml"]]),
     "seven-seeds": ("suite.md", over_seeds, [["suite", "--seeds", "7"]]),
     "unmodelled-delay": (
         "coupled-limits.md",
