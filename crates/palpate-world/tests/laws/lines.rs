@@ -241,8 +241,9 @@ fn what_a_line_excludes_in_a_world_is_refused_by_name() {
     let world = as_world(&cases(law)[0].ideal, law);
     let refused = |world: &palpate_world::World, loop_params: WorldLoop, method: WorldMethod| {
         let faults = WorldRenderer::new(world, loop_params, method).unwrap_err();
-        assert_eq!(faults[0].field, WorldField::Actuation, "{faults:?}");
-        faults[0].to_string()
+        let first = faults.first();
+        assert_eq!(first.field, WorldField::Actuation, "{faults:?}");
+        first.to_string()
     };
     let line = || with_line(0.001, 0);
     for method in [
