@@ -124,12 +124,12 @@ impl Supervisor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::Mutex;
 
     /// A clock on which a loop ticks every `period` before `stalls_at`.
     #[derive(Clone)]
     struct Ticking {
-        now: Arc<Mutex<Duration>>,
+        /// `[ns]`
+        now: Arc<AtomicU64>,
         heartbeat: Arc<Heartbeat>,
         period: Duration,
         stalls_at: Duration,
@@ -142,11 +142,12 @@ mod tests {
         const RUNS: bool = true;
 
         fn now(&self) -> Duration {
-            *self.now.lock().unwrap()
+            Duration::from_nanos(self.now.load(Ordering::Relaxed))
         }
 
         fn sleep_until(&self, deadline: Duration) {
-            *self.now.lock().unwrap() = deadline;
+            let now = u64::try_from(deadline.as_nanos()).unwrap();
+            self.now.store(now, Ordering::Relaxed);
             self.sleeps.fetch_add(1, Ordering::Relaxed);
             let ticked_until = deadline.min(self.stalls_at).as_nanos();
             let ticks = u32::try_from(ticked_until / self.period.as_nanos()).unwrap();
