@@ -305,8 +305,8 @@ pub fn read_trace<'py>(
         warn(
             py,
             &format!(
-                "{name}: the last line has no line end, so its last number, {number}, may be cut off; if the file is \
-                 complete, end it with a line end"
+                "{name}: the last line has no line end, so its last number, {number}, may be cut off, and its sample is \
+                 left out; if the file is complete, end it with a line end"
             ),
         )?;
     }

@@ -134,11 +134,13 @@ def test_a_table_is_read_as_it_is_laid_out_and_rendered_as_its_arrays(tmp_path: 
     ]:
         with pytest.raises(ValueError, match=words):
             palpate.read_trace(table, **{key: value for key, value in said.items() if key != left})
-    table.write_text("t_s,position_m\n0,0.01\n0.001,\n0.002,0.0")
+    table.write_text("t_s,position_m\n0,0.01\n0.001,\n0.002,0.01\n0.003,0.0")
     with pytest.raises(ValueError, match="skip_missing=True"):
         palpate.read_trace(table)
     with pytest.warns(UserWarning, match="`?0.0`?, may be cut off"):
-        assert palpate.read_trace(table, skip_missing=True).left_out == 1
+        read = palpate.read_trace(table, skip_missing=True)
+    assert read.left_out == 1
+    np.testing.assert_array_equal(read.t, [0, 0.002])
 
 
 def test_times_in_milliseconds_gaps_and_missing_values_are_not_taken_for_others() -> None:

@@ -84,7 +84,7 @@ pub struct HeldTrace {
 pub struct ReadNotes {
     /// Number of samples that were skipped because they lack a value.
     pub left_out: usize,
-    /// Last number, if the last line has no line end and may therefore be incomplete.
+    /// Last number, if the last line has no line end. It may be incomplete, so its sample is left out.
     pub unended: Option<String>,
 }
 

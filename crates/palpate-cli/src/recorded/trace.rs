@@ -100,8 +100,8 @@ fn opened(path: &Path, name: &str) -> Result<File, Failure> {
 fn tell_notes(name: &str, notes: &ReadNotes) {
     if let Some(number) = &notes.unended {
         tell(format_args!(
-            "warning: {name}: the last line has no line end, so its last number, `{number}`, may be cut off; if it is \
-             complete, add a line end"
+            "warning: {name}: the last line has no line end, so its last number, `{number}`, may be cut off, and its \
+             sample is left out; if it is complete, add a line end"
         ));
     }
 }

@@ -78,6 +78,8 @@ struct Reading {
     /// Whether the next line is the first after the header.
     is_first_line: bool,
     is_read_to_its_end: bool,
+    /// Whether the last line read gave a sample of the part.
+    ends_in_sample: bool,
     /// Numbers of the current line.
     numbers: Vec<f64>,
 }
@@ -95,6 +97,7 @@ impl Reading {
             before: None,
             is_first_line: true,
             is_read_to_its_end: true,
+            ends_in_sample: false,
             numbers: Vec::with_capacity(found.len()),
             time,
             found,
@@ -205,6 +208,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         let mut reading = Reading::new(header.fields.len(), time, found);
         let mut line = Line::new();
         while self.next(&mut line)? {
+            reading.ends_in_sample = false;
             self.check_field_count(&line, reading.field_count)?;
             if self.skips_line(&line, request.layout, &mut reading)? {
                 continue;
@@ -220,6 +224,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
             }
             self.check_duration(&line, request.part, now, &reading)?;
             self.add_sample(&line, request, now, &mut reading)?;
+            reading.ends_in_sample = true;
         }
         if reading.is_read_to_its_end {
             self.check_end(request.layout, &mut reading)?;
@@ -325,7 +330,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         Ok(())
     }
 
-    /// Rejects an unclosed quote at the end of the text, and checks a last number that may be cut off.
+    /// Rejects an unclosed quote at the end of the text, and leaves out a last sample whose number may be cut off.
     fn check_end(&mut self, layout: &Layout, reading: &mut Reading) -> Result<(), TraceError> {
         // Only the last record can have an unclosed quote.
         let start = skip_to_record(self.source(), self.last);
@@ -336,8 +341,18 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         let reads_last = std::iter::once(&reading.time)
             .chain(reading.found.iter().flatten())
             .any(|column| column.at == last);
-        if reads_last {
-            self.cut_off(last, layout, &mut reading.samples.notes)?;
+        if !reads_last {
+            return Ok(());
+        }
+        let Some(number) = self.cut_off(last, layout)? else {
+            return Ok(());
+        };
+        let samples = &mut reading.samples;
+        if reading.ends_in_sample {
+            samples.t_s.pop();
+            let width = reading.found.iter().flatten().count();
+            samples.numbers.truncate(width * samples.t_s.len());
+            samples.notes.unended = Some(number);
         }
         Ok(())
     }
@@ -364,30 +379,24 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         Ok(())
     }
 
-    /// Notes the last number of a text whose last line has no line end; returns an error if the caller receives no
+    /// Returns the last number of a text whose last line has no line end; returns an error if the caller receives no
     /// notes.
-    fn cut_off(
-        &mut self,
-        last: usize,
-        layout: &Layout,
-        notes: &mut ReadNotes,
-    ) -> Result<(), TraceError> {
+    fn cut_off(&mut self, last: usize, layout: &Layout) -> Result<Option<String>, TraceError> {
         let source = self.source();
         if source.is_empty() || source.ends_with(['\n', '\r']) {
-            return Ok(());
+            return Ok(None);
         }
         let start = skip_to_record(source, self.last);
         let span = field_span(source, start, last, self.delimiter);
         // A truncated comment is harmless.
         if source[span.end..].contains(['\n', '\r']) {
-            return Ok(());
+            return Ok(None);
         }
         let text = shortened(&source[span.clone()]);
         if layout.ways == Ways::Nothing {
             return Err(self.fault((span, TraceFault::CutOff { text })));
         }
-        notes.unended = Some(text);
-        Ok(())
+        Ok(Some(text))
     }
 
     fn number(&mut self, line: &Line, column: &Column, layout: &Layout) -> Result<f64, TraceError> {

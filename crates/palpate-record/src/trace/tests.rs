@@ -73,15 +73,21 @@ fn parse_as(text: &str, layout: &Layout) -> Result<HeldTrace, String> {
 }
 
 #[test]
-fn a_last_number_without_a_line_end_may_be_cut_off_and_that_is_said() {
-    let text = "t_s,position_m\n0,0.01\n0.001,0.01";
+fn a_sample_whose_last_number_may_be_cut_off_is_left_out_and_that_is_said() {
+    let text = "t_s,position_m\n0,0.01\n0.001,0.02\n0.002,0.01";
     let held = parse_as(text, &laid_out(|_| ())).unwrap();
-    assert_eq!(held.trace.position_m, [0.01, 0.01]);
+    assert_eq!(held.trace.position_m, [0.01, 0.02]);
+    assert_eq!(held.trace.t_s, [0.0, 0.001]);
     assert_eq!(held.notes.unended.as_deref(), Some("0.01"));
+    // A last line that is left out already leaves its neighbour alone.
+    let skipping = laid_out(|layout| layout.skip_missing = true);
+    let held = parse_as("t_s,position_m\n0,1\n1,2\n2,", &skipping).unwrap();
+    assert_eq!(held.trace.position_m, [1.0, 2.0]);
+    assert_eq!((held.notes.left_out, held.notes.unended), (1, None));
     // A caller that receives no notes gets an error.
     assert_eq!(
         message(text),
-        "hand.csv:3:7: the last line has no line end, so its last number, `0.01`, may be cut off; if the file \
+        "hand.csv:4:7: the last line has no line end, so its last number, `0.01`, may be cut off; if the file \
          is complete, end it with a line end"
     );
     // The last line is not read, is a comment, or lies beyond the part.
