@@ -49,7 +49,7 @@ pub fn worlds(watch: &mut Watch) {
         for method in ["basic", "coupled"] {
             let clock = SteppedClock::new();
             let own = &scene.devices[0];
-            let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone()).unwrap();
+            let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone()).unwrap();
             let world = rendered(&scene, method);
             let limits = SafetyParams::default();
             let (tap, mut listener) = tap(1000);
@@ -81,10 +81,10 @@ pub fn six_axes(watch: &mut Watch) {
         ("worlds/box.toml", 0),
     ] {
         let scene = with_points(name, points);
-        let (own, actuator) = (&scene.devices[0], &scene.timing.actuator);
+        let (own, actuator) = (&scene.devices[0], scene.timing.actuator());
         for method in ["basic", "coupled"] {
             let clock = SteppedClock::new();
-            let device = SpatialDevice::new(own, actuator, clock.clone()).unwrap();
+            let device = SpatialDevice::new(own, &actuator, clock.clone()).unwrap();
             let world = rendered(&scene, method);
             let mut control =
                 ControlLoop::of_world(device, clock, world, SafetyParams::default()).unwrap();
@@ -92,7 +92,7 @@ pub fn six_axes(watch: &mut Watch) {
 
             let clock = SteppedClock::new();
             let hand = SpatialHand::at(own.position);
-            let device = SpatialPointer::new(own, actuator, &hand, clock.clone()).unwrap();
+            let device = SpatialPointer::new(own, &actuator, &hand, clock.clone()).unwrap();
             let world = rendered(&scene, method);
             let mut control =
                 ControlLoop::of_world(device, clock, world, SafetyParams::default()).unwrap();
@@ -134,7 +134,7 @@ pub fn worlds_that_change(watch: &mut Watch) {
         let scene = world_scene(name);
         let clock = SteppedClock::new();
         let own = &scene.devices[0];
-        let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone()).unwrap();
+        let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone()).unwrap();
         let (mut worlds, world) = changing_world(scene.world.clone(), rendered(&scene, "coupled"));
         let limits = SafetyParams::default();
         let mut control = ControlLoop::of_changing_world(device, clock, world, limits).unwrap();
@@ -167,7 +167,7 @@ pub fn a_slow_host(watch: &mut Watch) {
     let scene = world_scene("worlds-on-devices/ball-on-table.toml");
     let clock = SteppedClock::new();
     let own = &scene.devices[0];
-    let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone()).unwrap();
+    let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone()).unwrap();
     let tool = Tool::new("tool", Shape::Sphere { radius: 0.01 });
     let renderer = LocalRenderer::new(
         &[tool],

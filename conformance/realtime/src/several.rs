@@ -38,7 +38,7 @@ pub fn a_pinch(watch: &mut Watch) {
         let clock = SteppedClock::new();
         let devices = [0, 1].map(|device| {
             let own = &scene.devices[device];
-            SpatialDevice::new(own, &scene.timing.actuator, clock.clone()).unwrap()
+            SpatialDevice::new(own, &scene.timing.actuator(), clock.clone()).unwrap()
         });
         let (tap, listener) = tap(10_000);
         let limits = SafetyParams::default();

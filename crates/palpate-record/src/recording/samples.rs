@@ -19,6 +19,7 @@ pub fn row(sequence: u64, contact: u32) -> Row {
             commanded_torque: [tick(12), tick(13), tick(14)],
             delivered_force: [tick(15), tick(16), tick(17)],
             delivered_torque: [tick(18), tick(19), tick(20)],
+            delivered_slope: [tick(24), tick(25), tick(26)],
             tick_duration: tick(21),
             device_round_trip: tick(22),
             generation: 3,
