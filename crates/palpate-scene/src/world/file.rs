@@ -7,7 +7,7 @@ mod render;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use palpate_core::{Actuation, LARGEST_DELAY, Range};
+use palpate_core::{Actuation, Hold, LARGEST_DELAY, Range};
 use palpate_testbed::actuator::ActuatorParams;
 use palpate_world::{
     Body, Contact, Free, IDENTITY, Motion, Shape, World, WorldField as Field, WorldPart,
@@ -89,6 +89,7 @@ impl WorldFile {
             removed: tables.removed,
         };
         reading.refuse(&tables.raw, why.as_ref());
+        reading.refuse_beside_lines(&tables.raw);
         let scene = reading.scene(tables.raw);
         match source.errors(reading.faults) {
             None => Ok(Self {
@@ -156,7 +157,12 @@ impl Reading {
     }
 
     fn scene(&mut self, raw: RawScene) -> WorldScene {
+        let line = raw.r#loop.hold.clone();
+        let line = line.filter(|hold| *hold.get_ref() == Hold::Line);
         let timing = self.timing(raw.r#loop, &raw.model);
+        let hold = line.map_or(Hold::Constant, |line| {
+            self.places.take(WorldPart::Loop, Field::Actuation, line)
+        });
         let mut tools = Vec::new();
         let mut devices = Vec::new();
         for (index, device) in raw.device.into_iter().enumerate() {
@@ -187,7 +193,10 @@ impl Reading {
             contacts,
         };
         self.check(&world);
-        let known = self.known_actuation(&timing);
+        let known = Actuation {
+            hold,
+            ..self.known_actuation(&timing)
+        };
         let render = self.render(raw.render, raw.model, &devices, known);
         let render = WorldRender {
             settings: self.settings(&raw.methods),

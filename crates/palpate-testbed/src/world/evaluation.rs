@@ -151,6 +151,26 @@ impl WorldEvaluation {
         held: &[Vec<Vector>],
         torques: &[Vec<Vector>],
     ) -> Result<Self, EvaluationError> {
+        Self::of_lines(scene, ideal, held, None, torques)
+    }
+
+    /// Evaluates lines: forces, the mean of each over its interval, with their `slopes` along the axes of each device
+    /// `[N/s]`, as the forces; without slopes, constants. The bound is that of lines or of constants.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`of`](Self::new).
+    ///
+    /// # Panics
+    ///
+    /// `ideal` does not belong to `scene` and has more devices, or there are fewer slopes than forces.
+    pub fn of_lines(
+        scene: &WorldScene,
+        ideal: &WorldIdeal,
+        held: &[Vec<Vector>],
+        slopes: Option<&[Vec<Vector>]>,
+        torques: &[Vec<Vector>],
+    ) -> Result<Self, EvaluationError> {
         if held.len() != ideal.devices.len() {
             return Err(EvaluationError::Devices {
                 given: held.len(),
@@ -173,6 +193,7 @@ impl WorldEvaluation {
                 device,
                 profile,
                 [held, torques],
+                slopes.map(|slopes| &slopes[number][..]),
                 &mut sum,
             ));
         }
@@ -189,6 +210,7 @@ impl DeviceEvaluation {
         device: &WorldDevice,
         profile: &DeviceProfile,
         [held, torques]: [&[Vector]; 2],
+        slopes: Option<&[Vector]>,
         sum_of_all: &mut ErrorSums,
     ) -> Self {
         let mass = device.mass;
@@ -201,7 +223,16 @@ impl DeviceEvaluation {
             for axis in (0..3).filter(|&axis| device.moves_along(axis)) {
                 let impulse = profile.impulses[interval][axis];
                 let squared = profile.squares[interval][axis];
+                let line = slopes.map(|slopes| {
+                    let (slope, moment) = (slopes[interval][axis], profile.moments[interval][axis]);
+                    move |sums: &mut ErrorSums, root: f64| {
+                        sums.add_slope(root * slope, root * moment, duration, period);
+                    }
+                });
                 axes[axis].add(force[axis], impulse, squared, duration, period);
+                if let Some(line) = &line {
+                    line(&mut axes[axis], 1.0);
+                }
                 // Forces times the root of the weight: their squares have the weight.
                 let root = mass[axis].recip().sqrt();
                 for sum in [&mut sum, sum_of_all] {
@@ -212,6 +243,9 @@ impl DeviceEvaluation {
                         duration,
                         period,
                     );
+                    if let Some(line) = &line {
+                        line(sum, root);
+                    }
                 }
             }
         }

@@ -125,6 +125,12 @@ impl WorldIdeal {
                 profile.impulses.push(Vec3::new(&run.state[sums..]).0);
                 profile.squares.push(Vec3::new(&run.state[sums + 3..]).0);
                 profile.peaks.push(run.peaks[number]);
+                let place = system.layout.moment_sums(number);
+                let (middle, moments) = (0.5 * (grid.edge(interval) + end), &run.state[place..]);
+                profile.moments.push(std::array::from_fn(|axis| {
+                    moments[axis] - run.state[sums + axis] * middle
+                }));
+                run.state[place..place + 3].fill(0.0);
                 // Restart the sums at 0 to avoid differences of large numbers.
                 run.state[sums..sums + 6].fill(0.0);
                 if scene.devices[number].turning.is_some() {

@@ -20,8 +20,8 @@ const DEVICE: usize = 6;
 const TURNING: usize = 7;
 const BODY: usize = 13;
 const BRISTLE: usize = 3;
-/// Of a device: ∫ f dt and ∫ f² dt along each axis, and the hand's work.
-const DEVICE_SUMS: usize = 7;
+/// Of a device: ∫ f dt and ∫ f² dt along each axis, the hand's work, and ∫ f t dt along each axis.
+const DEVICE_SUMS: usize = 10;
 /// Of a device that turns, additionally the same integrals of its torque.
 const TORQUE_SUMS: usize = 6;
 /// Of a contact: ∫ N dt, ∫ of the force on its first member dt, and the dissipated energy.
@@ -52,6 +52,11 @@ impl Layout {
     pub fn device_sums(&self, device: usize) -> usize {
         let torque = if self.turns { TORQUE_SUMS } else { 0 };
         self.moving() + (DEVICE_SUMS + torque) * device
+    }
+
+    /// Returns the index of a device's ∫ f t dt.
+    pub fn moment_sums(&self, device: usize) -> usize {
+        self.device_sums(device) + DEVICE_SUMS - 3
     }
 
     pub fn torque_sums(&self, device: usize) -> usize {

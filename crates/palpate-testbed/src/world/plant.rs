@@ -79,6 +79,17 @@ pub struct WorldPlant {
     durations: Vec<f64>,
 }
 
+/// A line on a tool.
+#[derive(Debug, Clone, Copy)]
+struct HeldLine {
+    /// Mean over a period `[N]`.
+    force: Vector,
+    /// `[N/s]`
+    slope: Vector,
+    /// Time since the middle of that period; negative before it `[s]`.
+    since_middle: f64,
+}
+
 #[derive(Debug, Clone)]
 struct PlantDevice {
     /// The simulated device, which determines the axes along which it moves.
@@ -93,6 +104,8 @@ struct PlantDevice {
     grasp: Grasp,
     /// Along its axes.
     impulses: Vec<Vector>,
+    /// Slopes of the delivered lines over the same intervals.
+    slopes: Vec<Vector>,
     turning: Option<HeldTurning>,
     angular_impulses: Vec<Vector>,
 }
@@ -108,13 +121,22 @@ impl PlantDevice {
         self.device.out(Vec3(given)).0
     }
 
-    /// Moves for a `duration` `[s]` from `time` `[s]` on under a force and a torque on its tool.
-    fn advance(&mut self, [force, torque]: [Vector; 2], mut time: f64, duration: f64) {
+    /// Records the slope of a line on its tool `[N/s]`, as its actuators deliver it.
+    fn hold_slope(&mut self, slope: Vector) {
+        let own = self.device.own(Vec3(slope)).0;
+        if let Some(last) = self.slopes.last_mut() {
+            *last = std::array::from_fn(|axis| self.actuators[axis].params().gain * own[axis]);
+        }
+    }
+
+    /// Moves for a `duration` `[s]` from `time` `[s]` on under a line and a torque on its tool.
+    fn advance(&mut self, mut line: HeldLine, torque: Vector, mut time: f64, duration: f64) {
         let mut left = duration;
         while self.grasp.until < time + left {
             let part = (self.grasp.until - time).max(0.0);
             if part > 0.0 {
-                self.move_on([force, torque], part);
+                self.move_on(line, torque, part);
+                line.since_middle += part;
             }
             (time, left) = (self.grasp.until, left - part);
             self.grasp.go_on(&self.device.hand, time);
@@ -122,11 +144,11 @@ impl PlantDevice {
                 turning.release();
             }
         }
-        self.move_on([force, torque], left);
+        self.move_on(line, torque, left);
     }
 
     /// The same without an event of its hand.
-    fn move_on(&mut self, [force, torque]: [Vector; 2], duration: f64) {
+    fn move_on(&mut self, line: HeldLine, torque: Vector, duration: f64) {
         if let Some(turning) = &mut self.turning
             && let Some(angular_impulse) = self.angular_impulses.last_mut()
         {
@@ -139,20 +161,28 @@ impl PlantDevice {
             return;
         };
         if let (Some(linkage), Some(table)) = (&mut self.linkage, &self.device.mass_table) {
+            let force = line.force;
             let delivered = linkage.advance((&self.device, table, &self.grasp), force, duration);
             for (sum, part) in impulse.iter_mut().zip(delivered) {
                 *sum += part;
             }
             return;
         }
-        let force = self.device.own(Vec3(force)).0;
+        let [force, slope] =
+            [line.force, line.slope].map(|on_tool| self.device.own(Vec3(on_tool)).0);
+        let since_middle = line.since_middle + 0.5 * duration;
         for axis in 0..3 {
             if self.axes[axis].stays() {
                 continue;
             }
             // A force on the tool is the opposite of the force on the object.
-            let delivered =
-                self.actuators[axis].drive(&mut self.axes[axis], -force[axis], duration);
+            let (actuator, moved) = (&mut self.actuators[axis], &mut self.axes[axis]);
+            let delivered = if slope[axis] == 0.0 {
+                actuator.drive(moved, -force[axis], duration)
+            } else {
+                let mean = force[axis] + slope[axis] * since_middle;
+                actuator.drive_line(moved, -mean, -slope[axis], duration)
+            };
             impulse[axis] -= delivered.mean_force * duration;
         }
     }
@@ -215,6 +245,7 @@ impl WorldPlant {
                 noises,
                 grasp: Grasp::new(&device.hand, 0.0),
                 impulses: Vec::new(),
+                slopes: Vec::new(),
                 turning: device
                     .turning
                     .as_ref()
@@ -337,7 +368,7 @@ impl WorldPlant {
     /// that does not turn ignores it.
     pub fn hold_wrenches(&mut self, forces: &[Vector], torques: &[Vector]) {
         self.begin_interval();
-        self.advance(forces, torques, self.period);
+        self.advance(forces, &[], torques, self.period);
         self.samples += 1;
     }
 
@@ -346,17 +377,32 @@ impl WorldPlant {
         self.durations.push(0.0);
         for device in &mut self.devices {
             device.impulses.push([0.0; 3]);
+            device.slopes.push([0.0; 3]);
             device.angular_impulses.push([0.0; 3]);
         }
     }
 
     /// Advances by a `duration` `[s]` under forces `[N]` and torques `[N m]`, as
-    /// [`hold_wrenches`](Self::hold_wrenches) does, within the interval that has begun.
-    pub fn advance(&mut self, forces: &[Vector], torques: &[Vector], duration: f64) {
+    /// [`hold_wrenches`](Self::hold_wrenches) does, within the interval that has begun. Each force is the mean over a
+    /// period, from the beginning of that interval on, of a line with the slope of the same device `[N/s]`; a missing slope
+    /// counts as 0. A slope needs actuators without lag, motors without a largest force, and a device without a mass table.
+    pub fn advance(
+        &mut self,
+        forces: &[Vector],
+        slopes: &[Vector],
+        torques: &[Vector],
+        duration: f64,
+    ) {
         let of = |list: &[Vector], number: usize| list.get(number).copied().unwrap_or_default();
+        let age = self.durations.last().copied().unwrap_or_default();
         for (number, device) in self.devices.iter_mut().enumerate() {
-            let force = device.given(of(forces, number));
-            device.advance([force, of(torques, number)], self.now, duration);
+            let line = HeldLine {
+                force: device.given(of(forces, number)),
+                slope: of(slopes, number),
+                since_middle: age - 0.5 * self.period,
+            };
+            device.hold_slope(line.slope);
+            device.advance(line, of(torques, number), self.now, duration);
         }
         self.now += duration;
         if let Some(last) = self.durations.last_mut() {
@@ -370,6 +416,7 @@ impl WorldPlant {
         self.durations.drain(..forgotten);
         for device in &mut self.devices {
             device.impulses.drain(..forgotten);
+            device.slopes.drain(..forgotten);
             device.angular_impulses.drain(..forgotten);
         }
     }
@@ -386,6 +433,16 @@ impl WorldPlant {
         } = &self.devices[device];
         let own = self.means(impulses).into_iter();
         own.map(|mean| device.out(Vec3(mean)).0).collect()
+    }
+
+    /// Slope of the force on the tool of a device over each interval up to now, along the device's axes `[N/s]`.
+    ///
+    /// # Panics
+    ///
+    /// There is no device of that number.
+    #[must_use]
+    pub fn delivered_slopes(&self, device: usize) -> &[Vector] {
+        &self.devices[device].slopes
     }
 
     /// Returns the mean torque on the tool of a device over each interval `[N m]`.
@@ -408,171 +465,5 @@ impl WorldPlant {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::grid::Grid;
-    use crate::hand::Sinusoid;
-    use crate::world::{Tool, WorldDevice, WorldHand, WorldIdeal};
-
-    fn scene() -> WorldScene {
-        let sine = |amplitude, frequency_hz, phase| Sinusoid {
-            amplitude,
-            frequency_hz,
-            phase,
-        };
-        WorldScene {
-            joints: Vec::new(),
-            devices: vec![WorldDevice {
-                name: "tool".into(),
-                own_axes: None,
-                mass_table: None,
-                drivetrain: crate::world::Drivetrain::default(),
-                mass: [0.1, 0.16, 0.25],
-                position: [0.01, -0.02, 0.05],
-                velocity: [0.1, 0.0, -0.3],
-                tool: Tool::sphere(0.005),
-                turning: None,
-                hand: WorldHand {
-                    force: [0.4, 0.0, -1.0],
-                    stiffness: 60.0,
-                    damping: 1.5,
-                    rest: [0.0, 0.01, 0.04],
-                    tremor: [
-                        vec![sine(0.1, 9.0, 0.3), sine(0.04, 15.3, -1.0)],
-                        vec![],
-                        vec![sine(0.08, 11.0, 2.0)],
-                    ],
-                    ..WorldHand::default()
-                },
-                quantum: [0.0, 1e-5, 2e-6],
-            }],
-            ..WorldScene::default()
-        }
-    }
-
-    #[test]
-    fn without_a_force_it_moves_as_the_ideal_does() {
-        let scene = scene();
-        let ideal = WorldIdeal::new(&scene, Grid::even(0.0, 0.01, 50)).unwrap();
-        let mut plant = WorldPlant::new(&scene, PlantParams::perfect(0.01)).unwrap();
-        for state in &ideal.states {
-            for axis in 0..3 {
-                let [x, u] = [plant.positions()[0][axis], plant.velocities()[0][axis]];
-                assert!((x - state.devices[0].position[axis]).abs() < 1e-11);
-                assert!((u - state.devices[0].velocity[axis]).abs() < 1e-9);
-            }
-            plant.hold(&[[0.0; 3]]);
-        }
-    }
-
-    #[test]
-    fn what_is_forgotten_changes_nothing_of_what_comes() {
-        let actuated = PlantParams {
-            actuator: ActuatorParams {
-                lag: 0.002,
-                gain: 0.9,
-            },
-            ..PlantParams::perfect(0.01)
-        };
-        let mut whole = WorldPlant::new(&scene(), actuated).unwrap();
-        let mut forgetful = whole.clone();
-        for sample in 0..20 {
-            let force = [[f64::from(sample) * 0.1, 0.5, -2.0]];
-            whole.hold(&force);
-            forgetful.hold(&force);
-            assert_eq!(whole.positions(), forgetful.positions());
-            assert_eq!(
-                whole.delivered(0).last(),
-                forgetful.delivered(0).last(),
-                "{sample}"
-            );
-            forgetful.forget_delivered();
-            assert_eq!(forgetful.delivered(0).len(), 1);
-        }
-        assert_eq!(whole.delivered(0).len(), 20);
-    }
-
-    #[test]
-    fn a_held_force_is_a_constant_one_on_the_tool() {
-        let mut pushed = scene();
-        pushed.devices[0].hand.force = [1.4, 0.5, -3.0];
-        let ideal = WorldIdeal::new(&pushed, Grid::even(0.0, 0.01, 20)).unwrap();
-        let mut plant = WorldPlant::new(&scene(), PlantParams::perfect(0.01)).unwrap();
-        for _ in 0..20 {
-            plant.hold(&[[1.0, 0.5, -2.0]]);
-        }
-        let last = &ideal.states[20].devices[0];
-        for axis in 0..3 {
-            assert!((plant.positions()[0][axis] - last.position[axis]).abs() < 1e-11);
-        }
-        for mean in plant.delivered(0) {
-            for (mean, held) in mean.iter().zip([1.0, 0.5, -2.0]) {
-                assert!((mean - held).abs() < 1e-13);
-            }
-        }
-    }
-
-    #[test]
-    fn sensors_round_each_axis_to_its_own_quantum() {
-        let mut scene = scene();
-        scene.devices[0].position = [0.012_345_678_9; 3];
-        let mut plant = WorldPlant::new(&scene, PlantParams::perfect(0.01)).unwrap();
-        let [x, y, z] = plant.measure()[0];
-        assert_eq!(x, plant.positions()[0][0]);
-        assert!((y - 0.01235).abs() < 1e-12 && (z - 0.012_346).abs() < 1e-12);
-    }
-
-    #[test]
-    fn an_interval_is_the_mean_over_its_stretches() {
-        let mut plant = WorldPlant::new(&scene(), PlantParams::perfect(0.01)).unwrap();
-        let mut whole = plant.clone();
-        plant.begin_interval();
-        plant.advance(&[[3.0, 0.0, 0.0]], &[], 0.004);
-        plant.advance(&[], &[], 0.012);
-        plant.begin_interval();
-        plant.advance(&[[2.0, 0.0, 0.0]], &[], 0.01);
-        let means: Vec<f64> = plant.delivered(0).iter().map(|mean| mean[0]).collect();
-        assert!((means[0] - 0.75).abs() < 1e-12 && (means[1] - 2.0).abs() < 1e-12);
-        whole.hold(&[[0.0; 3]]);
-        assert_ne!(plant.positions(), whole.positions());
-    }
-
-    #[test]
-    fn an_actuator_with_gain_and_lag_gives_less_and_later() {
-        let params = PlantParams {
-            actuator: ActuatorParams {
-                gain: 0.8,
-                lag: 0.003,
-            },
-            ..PlantParams::perfect(0.01)
-        };
-        let mut plant = WorldPlant::new(&scene(), params).unwrap();
-        plant.hold(&[[1.0, 0.0, 0.0]]);
-        let settling: f64 = 0.003 * (1.0 - (-10.0_f64 / 3.0).exp());
-        let expected = 0.8 * (1.0 - settling / 0.01);
-        assert!((plant.delivered(0)[0][0] - expected).abs() < 1e-12);
-    }
-
-    #[test]
-    fn what_is_wrong_is_named() {
-        let refused = |params| WorldPlant::new(&scene(), params).unwrap_err().to_string();
-        let message = refused(PlantParams {
-            actuator: ActuatorParams {
-                gain: 1.0,
-                lag: -0.1,
-            },
-            ..PlantParams::perfect(0.01)
-        });
-        assert!(message.starts_with("loop.lag = -0.1"), "{message}");
-        assert!(refused(PlantParams::perfect(0.0)).contains("loop.period = 0"));
-        let mut scene = scene();
-        let hand = &mut scene.devices[0].hand;
-        (hand.damping, hand.stiffness) = (0.0, 0.1 * (std::f64::consts::TAU * 9.0).powi(2));
-        let message = WorldPlant::new(&scene, PlantParams::perfect(0.01)).unwrap_err();
-        assert!(
-            message
-                .to_string()
-                .starts_with("devices[0].hand.tremor = 9")
-        );
-    }
-}
+#[path = "plant_tests.rs"]
+mod tests;

@@ -9,6 +9,8 @@ pub struct DeviceProfile {
     pub impulses: Vec<Vector>,
     /// ∫ f² dt along each axis over each interval `[N² s]`.
     pub squares: Vec<Vector>,
+    /// ∫ f (t − t₀) dt about the middle of each interval `[N s²]`.
+    pub moments: Vec<Vector>,
     /// Largest |f| in each interval `[N]`.
     pub peaks: Vec<f64>,
     /// ∫ τ dt over each interval of the torque about the tool's mass centre; empty for a device that does not turn

@@ -26,11 +26,8 @@ impl Reading {
             keys.push(("body.centre_m", span(&body.get_ref().centre_m)));
         }
         let (model, render) = (&raw.model, &raw.render);
-        let hold = raw.r#loop.hold.as_ref();
-        let line = hold.filter(|hold| *hold.get_ref() == Hold::Line);
         let unilateral = render.unilateral.as_ref().filter(|only| *only.get_ref());
         keys.extend([
-            ("loop.hold", line.map(Spanned::span)),
             ("model.resonance_hz", span(&model.resonance_hz)),
             (
                 "model.resonance_damping_ratio",
@@ -60,6 +57,42 @@ impl Reading {
                     "a body with `axes` is rendered in a scene of one contact along one axis only, but {why}"
                 );
                 self.fault(axes.span(), message);
+            }
+        }
+    }
+}
+
+impl Reading {
+    /// Rejects what a line hold excludes: a line lasts one nominal period, without a lag, and no motor limits it.
+    pub fn refuse_beside_lines(&mut self, raw: &RawScene) {
+        let timing = &raw.r#loop;
+        if timing.hold.as_ref().map(Spanned::get_ref) != Some(&Hold::Line) {
+            return;
+        }
+        let given = |value: &Option<Spanned<f64>>| {
+            let value = value.as_ref().filter(|value| *value.get_ref() != 0.0);
+            value.map(Spanned::span)
+        };
+        let dropped = timing.dropped_samples.as_ref();
+        let dropped = dropped.filter(|samples| !samples.get_ref().is_empty());
+        let mut keys = vec![
+            ("loop.lag_s", given(&timing.lag_s)),
+            ("loop.command_jitter_s", given(&timing.command_jitter_s)),
+            ("loop.jitter_s", given(&timing.jitter_s)),
+            ("loop.drop_probability", given(&timing.drop_probability)),
+            ("loop.dropped_samples", dropped.map(Spanned::span)),
+            ("loop.collapse", span(&timing.collapse)),
+        ];
+        for device in &raw.device {
+            let [_, _, limit, ..] = device.get_ref().drivetrain.spans();
+            keys.push(limit);
+        }
+        for (key, span) in keys {
+            if let Some(span) = span {
+                let message = format!(
+                    "{key} excludes lines in a world; omit it, or set loop.hold = \"constant\""
+                );
+                self.fault(span, message);
             }
         }
     }

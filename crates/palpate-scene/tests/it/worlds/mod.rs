@@ -4,6 +4,7 @@
 mod devices;
 mod guard;
 
+use palpate_core::Hold;
 use palpate_scene::world::{WorldActuator, WorldFile};
 use palpate_scene::{ContactFile, SceneFile};
 use palpate_world::{Motion, Party, Shape};
@@ -394,6 +395,26 @@ fn keys_of_one_contact_are_refused_in_a_world() {
         let words =
             format!("{key} is for one contact along one axis only, but the device has 3 axes");
         assert!(only.ends_with(&words), "{only}");
+    }
+    let line = BALL.replacen("[loop]", "[loop]\nhold = \"line\"", 1);
+    let known = WorldFile::parse("ball.toml", &line).unwrap().scene;
+    assert_eq!(known.render.actuation.hold, Hold::Line);
+    for (place, keys) in [
+        ("[loop]", "lag_s = 0.0001"),
+        ("[loop]", "command_jitter_s = 0.0001"),
+        ("[loop]", "jitter_s = 0.0001"),
+        ("[loop]", "drop_probability = 0.1"),
+        ("[loop]", "dropped_samples = [3]"),
+        (
+            "[loop]",
+            "collapse = { from_s = 0, until_s = 0.1, period_s = 0.002 }",
+        ),
+        ("quantum_m = 2e-6", "drivetrain.motor_limit_n = 4"),
+    ] {
+        let (key, _) = keys.split_once(" = ").unwrap();
+        let said = said(&line.replacen(place, &format!("{place}\n{keys}"), 1));
+        let words = format!("{key} excludes lines in a world");
+        assert!(said.len() == 1 && said[0].contains(&words), "{said:?}");
     }
     let along = said(&BALL.replace("mass_kg = 0.1", "mass_kg = 0.1\naxes = [\"z\"]"));
     assert!(along[0].contains("a body with `axes`"), "{along:?}");

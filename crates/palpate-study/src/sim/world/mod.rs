@@ -4,6 +4,7 @@
 mod evaluated;
 mod rendered;
 
+use palpate_core::Hold;
 use palpate_scene::world::WorldScene;
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::ActuatorParams;
@@ -56,6 +57,8 @@ pub struct WorldRun {
     pub method: String,
     /// Force on each tool that was commanded at each sample: `[sample][device]` `[N]`.
     pub commanded: Vec<Vec<Vector>>,
+    /// Slope of that force, whose mean over a period it is; 0 for a constant: `[sample][device]` `[N/s]`.
+    pub commanded_slopes: Vec<Vec<Vector>>,
     /// Torque on each tool that was commanded at each sample: `[sample][device]` `[N m]`.
     pub commanded_torques: Vec<Vec<Vector>>,
     /// Force on each tool over each interval of the ideal's grid, as its actuator gave it: `[device][interval]` `[N]`.
@@ -138,6 +141,11 @@ pub enum WorldBenchError {
     /// The scene has no ideal as a reference solution.
     #[error("the ideal: {0}")]
     Ideal(#[from] IdealError),
+    /// Lines on a device that a recorded motion leads.
+    #[error(
+        "loop.hold is \"line\", but no force moves a device that follows a recorded motion; set loop.hold = \"constant\""
+    )]
+    LedLines,
     /// The window has more periods than are run.
     #[error(
         "the window has {0} periods, and at most 1e6 are allowed: shorten `duration_s` or the rendered motion"
@@ -172,6 +180,7 @@ impl WorldRun {
         Self {
             method: method.to_owned(),
             commanded: Vec::new(),
+            commanded_slopes: Vec::new(),
             commanded_torques: Vec::new(),
             delivered: Vec::new(),
             delivered_torques: Vec::new(),
@@ -213,6 +222,7 @@ impl WorldRun {
         self.crowded += usize::from(output.effort.left_out > 0);
         self.too_fast += usize::from(output.effort.too_fast);
         self.commanded.push(output.forces.to_vec());
+        self.commanded_slopes.push(output.slopes.to_vec());
         self.commanded_torques.push(output.torques.to_vec());
     }
 
@@ -329,6 +339,10 @@ impl WorldBench {
     /// # Errors
     /// The renderer has another number of tools.
     pub fn run(&self, method: &str, renderer: &WorldRenderer) -> Result<WorldRun, WorldBenchError> {
+        let hold = renderer.loop_params().actuation.hold;
+        if self.path.is_some() && hold == Hold::Line {
+            return Err(WorldBenchError::LedLines);
+        }
         let params = PlantParams {
             period: self.ideal.grid.period(),
             actuator: self.actuator,
@@ -373,11 +387,15 @@ impl WorldBench {
                 plant.begin_interval();
             }
             let command = stretch.command;
-            let [forces, torques] = [&run.commanded, &run.commanded_torques]
-                .map(|commands| command.map_or(&[][..], |command| &commands[command]));
-            plant.advance(forces, torques, stretch.duration);
+            let [forces, slopes, torques] = [
+                &run.commanded,
+                &run.commanded_slopes,
+                &run.commanded_torques,
+            ]
+            .map(|commands| command.map_or(&[][..], |command| &commands[command]));
+            plant.advance(forces, slopes, torques, stretch.duration);
         }
-        self.evaluate(&mut run, &plant)?;
+        self.evaluate(&mut run, &plant, hold)?;
         run.recorded = state.created_at_ports();
         run.ledger = state.ledger().clone();
         Ok(run)
@@ -415,9 +433,20 @@ impl WorldBench {
     }
 
     /// Records the delivered forces and torques over the ideal's grid and evaluates them.
-    fn evaluate(&self, run: &mut WorldRun, plant: &WorldPlant) -> Result<(), WorldBenchError> {
+    fn evaluate(
+        &self,
+        run: &mut WorldRun,
+        plant: &WorldPlant,
+        hold: Hold,
+    ) -> Result<(), WorldBenchError> {
         let grid = &self.ideal.grid;
         let devices = 0..self.evaluated.devices.len();
+        let slopes = (hold == Hold::Line).then(|| {
+            let slopes = devices
+                .clone()
+                .map(|device| plant.delivered_slopes(device).to_vec());
+            slopes.collect::<Vec<_>>()
+        });
         let within = |mut delivered: Vec<Vector>| {
             delivered.truncate(grid.intervals());
             delivered
@@ -428,8 +457,13 @@ impl WorldBench {
             run.delivered_torques.push(torques);
         }
         let (forces, torques) = (&run.delivered, &run.delivered_torques);
-        run.evaluation =
-            WorldEvaluation::of_wrenches(&self.evaluated, &self.ideal, forces, torques)?;
+        run.evaluation = WorldEvaluation::of_lines(
+            &self.evaluated,
+            &self.ideal,
+            forces,
+            slopes.as_deref(),
+            torques,
+        )?;
         Ok(())
     }
 }

@@ -38,6 +38,7 @@ impl System {
             force.write(&mut rates[sums..]);
             Vec3(force.0.map(|f| f * f)).write(&mut rates[sums + 3..]);
             rates[sums + 6] = by_hand.dot(placed.velocity);
+            Vec3(force.0.map(|f| f * time)).write(&mut rates[layout.moment_sums(number)..]);
             if let Some(turning) = &device.turning {
                 let q = quaternion(&state[place + 6..]);
                 let by_hand = now.hand_torque(number, turning, (time, q));
