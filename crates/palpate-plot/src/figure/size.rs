@@ -33,6 +33,14 @@ impl Size {
         ("slide", 254.0, Some(142.875)),
     ];
 
+    /// Returns this size with another height `[mm]`.
+    pub(crate) fn with_height(self, millimetres: f64) -> Self {
+        Self {
+            height: Some(PER_MILLIMETRE * millimetres),
+            ..self
+        }
+    }
+
     fn of_millimetres(width: f64, height: Option<f64>) -> Self {
         Self {
             width: Some(PER_MILLIMETRE * width),

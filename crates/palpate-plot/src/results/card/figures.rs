@@ -20,10 +20,18 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Draws a figure of `size` in millimetres; `says` is its text alternative.
+    /// Draws a figure of `size` in millimetres; `says` is its text alternative. A figure whose legend and notes need more
+    /// height gets it.
     fn draw(&mut self, figure: &Figure, size: &str, says: &str) -> Result<String, SizeError> {
         let size: Size = size.parse()?;
-        let drawn = svg(figure, size)?;
+        let drawn = match svg(figure, size) {
+            Err(SizeError::TooSmall {
+                side: "height",
+                least,
+                ..
+            }) => svg(figure, size.with_height(least))?,
+            drawn => drawn?,
+        };
         self.drawn += 1;
         let own = format!("figure-{}-panel-", self.drawn);
         let begin = drawn.find("<svg").unwrap_or(0);
@@ -317,5 +325,34 @@ fn felt_figure(
             row("[N\u{a0}s/m]", |part| part.damping_n_s_per_m, false),
         ],
         ..Figure::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The legend of many series takes several lines, which the wanted height has no room for.
+    #[test]
+    fn a_figure_that_needs_more_height_is_drawn_higher() {
+        let series = |number: usize| Series {
+            name: format!("a long name of the series {number}"),
+            kind: Kind::Line,
+            role: Role::Compared(number),
+            x: vec![0.0, 1.0],
+            y: vec![0.0, 1.0],
+        };
+        let figure = Figure {
+            rows: vec![Row {
+                panels: vec![Panel {
+                    series: (0..12).map(series).collect(),
+                }],
+                ..Row::default()
+            }],
+            ..Figure::default()
+        };
+        assert!(svg(&figure, "85x40".parse().unwrap()).is_err());
+        let drawn = Figures::default().draw(&figure, "85x40", "many").unwrap();
+        assert!(drawn.starts_with("<svg role"), "{drawn}");
     }
 }
