@@ -117,7 +117,7 @@ def test_a_recording_is_read_as_by_the_program(program: Any, root: Path, tmp_pat
                 numbers = [float(cell) if cell else np.nan for cell in cells]
                 np.testing.assert_array_equal(ours.ticks[name].astype(float), numbers, name)
         compared += 1
-    assert compared == 41
+    assert compared == 44
     assert ours.texts and ours.events[0].kind in ours["events"]
     again = pickle.loads(pickle.dumps(ours))
     assert again == ours and again.events == ours.events and again.texts == ours.texts
