@@ -34,8 +34,8 @@ pub struct SafetyParams {
     pub oscillation: OscillationParams,
     /// Threshold for frequent recoveries.
     pub recoveries: RecoveryParams,
-    /// Maximum time between ticks before a supervisor commands zero force, in periods. The supervisor checks twice
-    /// per period, so a limit of 1.5 acts within 2.
+    /// Maximum time between ticks before a supervisor commands zero force, in periods. The supervisor sleeps until the
+    /// limit is over.
     pub stall_after_periods: f64,
     /// Minimum of the tolerated lateness of a tick `[s]`: wake-ups of an ordinary machine are late by up to 3 ms,
     /// whatever the period.
