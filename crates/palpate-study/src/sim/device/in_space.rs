@@ -472,6 +472,7 @@ fn capabilities(name: &str, device: &WorldDevice) -> Capabilities {
     Capabilities {
         torque_axes: if gives_torque { 3 } else { 0 },
         measures_orientation: turning.is_some(),
+        largest_force: Some(device.drivetrain.largest_force).filter(|force| force.is_finite()),
         effective_mass: first.filter(|first| masses.all(|mass| mass == *first)),
         encoder_quantum: Some(device.quantum.into_iter().fold(0.0, f64::max)),
         ..Capabilities::unknown(name, 3)
