@@ -1705,7 +1705,7 @@ typedef struct palpate_world_params {
   const char *method;
   /*
    Largest norm of the force on each device [N]. INFINITY: no limit, and no torque limit unless one is given. 0,
-   the default: the limit of the scene, or 20 N.
+   the default: the limit of the scene, or 20 N, or that of the weakest motor if less.
    */
   double force_limit;
   /*

@@ -133,7 +133,7 @@ impl PyWorld {
         let mut scene = file.scene.clone();
         let method = method.unwrap_or_else(|| scene.render.method.clone());
         let default = SafetyParams::default();
-        scene.render.settle_limits(
+        scene.settle_limits(
             [force_limit, torque_limit],
             [default.largest_force, default.largest_torque],
         );

@@ -163,7 +163,7 @@ impl World {
         in_words: impl FnOnce(&WorldErrors) -> String,
     ) -> Result<Self, Refusal<'a>> {
         let mut scene = scene.clone();
-        let limits = asked.limits(&mut scene.render);
+        let limits = asked.limits(&mut scene);
         let method = asked.method.as_ref().unwrap_or(&scene.render.method);
         let renderer = scene.renderer(method).map_err(|faults| {
             let is_all = |place| faults.iter().all(|fault| fault.part == place);

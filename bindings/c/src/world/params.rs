@@ -4,7 +4,7 @@ use core::ffi::c_char;
 use core::ptr;
 
 use palpate_rt::safety::SafetyParams;
-use palpate_scene::world::WorldRender;
+use palpate_scene::world::WorldScene;
 
 use crate::edge::status;
 use crate::sized::{self, SizedStruct};
@@ -20,7 +20,7 @@ pub struct WorldParams {
     /// Name of the method, see palpate_world_method_name(). NULL, the default: that of the scene.
     pub method: *const c_char,
     /// Largest norm of the force on each device [N]. INFINITY: no limit, and no torque limit unless one is given. 0,
-    /// the default: the limit of the scene, or 20 N.
+    /// the default: the limit of the scene, or 20 N, or that of the weakest motor if less.
     pub force_limit: f64,
     /// Largest norm of the torque on each device [N m]. INFINITY: no limit. 0, the default: the limit of the scene,
     /// or 1 N m.
@@ -128,16 +128,20 @@ impl Asked {
         self.force_limit != 0.0 || self.torque_limit != 0.0
     }
 
-    /// Returns the limits of each device and sets them in `render`, too: the renderer knows about limits that it
+    /// Returns the limits of each device and sets them in `scene`, too: the renderer knows about limits that it
     /// applies itself, so no sent force has to be reported back. `palpate pipe` uses the same limits.
-    pub fn limits(&self, render: &mut WorldRender) -> SafetyParams {
+    pub fn limits(&self, scene: &mut WorldScene) -> SafetyParams {
         let default = SafetyParams::default();
         let asked = |number: f64| (number != 0.0).then_some(number);
-        render.settle_limits(
+        scene.settle_limits(
             [asked(self.force_limit), asked(self.torque_limit)],
             [default.largest_force, default.largest_torque],
         );
         // No speed limit: the caller's loop knows its device, and the renderer reports implausible samples as faults.
-        SafetyParams::bounding(render.force_limit, render.torque_limit, self.soft_start)
+        SafetyParams::bounding(
+            scene.render.force_limit,
+            scene.render.torque_limit,
+            self.soft_start,
+        )
     }
 }

@@ -6,7 +6,7 @@ use palpate_world::{
     WorldPart, WorldRenderer,
 };
 
-use super::{Coupling, WorldRender, WorldScene};
+use super::{Coupling, WorldScene};
 use crate::method::nearest;
 
 /// Settings of a method for comparison, the same for every device.
@@ -117,18 +117,22 @@ impl WorldSettings {
     }
 }
 
-impl WorldRender {
+impl WorldScene {
     /// Sets the largest force `[N]` and the largest torque `[N m]` on each device: from `asked`, else from the scene,
-    /// else from `usual`. Infinity means unlimited. If neither `asked` nor the scene gives a torque, an unlimited force
-    /// implies an unlimited torque.
+    /// else from `usual` and the weakest motor. Infinity means unlimited. If neither `asked` nor the scene gives a torque,
+    /// an unlimited force implies an unlimited torque.
     pub fn settle_limits(&mut self, asked: [Option<f64>; 2], usual: [f64; 2]) {
+        let motors = self.devices.iter();
+        let motors = motors.map(|device| device.drivetrain.largest_force);
+        let usual_force = motors.fold(usual[0], f64::min);
+        let render = &mut self.render;
         let [force, torque] = asked;
         let finite = |limit: &f64| *limit != f64::INFINITY;
-        let force = force.or(self.force_limit).unwrap_or(usual[0]);
-        self.force_limit = Some(force).filter(finite);
-        let usual = self.force_limit.map(|_| usual[1]);
-        let torque = torque.or(self.torque_limit).or(usual);
-        self.torque_limit = torque.filter(finite);
+        let force = force.or(render.force_limit).unwrap_or(usual_force);
+        render.force_limit = Some(force).filter(finite);
+        let usual = render.force_limit.map(|_| usual[1]);
+        let torque = torque.or(render.torque_limit).or(usual);
+        render.torque_limit = torque.filter(finite);
     }
 }
 

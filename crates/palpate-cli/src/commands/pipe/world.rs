@@ -50,7 +50,7 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<WorldStream, Fa
     let defaults = SafetyParams::default();
     let is_given = flags.force_limit.or(scene.render.force_limit).is_some();
     let usual = [defaults.largest_force, defaults.largest_torque];
-    scene.render.settle_limits([flags.force_limit, None], usual);
+    scene.settle_limits([flags.force_limit, None], usual);
     let (force_limit, torque_limit) = (scene.render.force_limit, scene.render.torque_limit);
     let soft_start = soft_start(arguments, &defaults)?;
     let renderer = scene
