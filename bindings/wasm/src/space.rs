@@ -115,19 +115,26 @@ impl Space {
                 "this page supports only worlds without delay and lag, and with a gain of 1".into(),
             );
         }
+        if !scene.loop_params().actuation.hold.is_constant() {
+            return Err("this page holds constant forces; set loop.hold = \"constant\"".into());
+        }
         if scene.devices.iter().any(|device| device.turning.is_some()) {
             return Err(
                 "this page does not support devices of six axes, and this world has one".into(),
             );
         }
+        scene.settle_limits([None; 2], [LARGEST_FORCE, f64::INFINITY]);
         for device in &mut scene.devices {
             let hand = &mut device.hand;
             (hand.stiffness, hand.damping) = HAND;
             hand.force = [0.0; 3];
             hand.rest = device.position;
             hand.tremor.amplitude = 0.0;
+            hand.swing = None;
+            hand.release = None;
+            // The pull of a hand is held like a force of the motors, whose limit the renderer has.
+            device.drivetrain.largest_force = f64::INFINITY;
         }
-        scene.render.force_limit.get_or_insert(LARGEST_FORCE);
         let lanes = methods
             .iter()
             .map(|method| SpaceLane::start(&scene, method))
