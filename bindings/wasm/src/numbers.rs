@@ -69,10 +69,8 @@ fn of_world(mut scene: WorldScene) -> Result<String, String> {
     let evaluated = as_evaluated(&scene);
     let mut text = String::new();
     for method in WorldScene::METHODS {
-        let renderer = scene.renderer(method).map_err(|errors| {
-            let errors: Vec<_> = errors.iter().map(ToString::to_string).collect();
-            errors.join("; ")
-        })?;
+        let renderer = scene.renderer(method);
+        let renderer = renderer.map_err(|errors| errors.to_string())?;
         let mut plant = WorldPlant::new(&evaluated, params).map_err(|error| error.to_string())?;
         let mut state = renderer.start();
         while plant.time() < scene.duration - 0.5 * scene.timing.period {

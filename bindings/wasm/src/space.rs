@@ -242,10 +242,8 @@ impl Space {
 
 impl SpaceLane {
     fn start(scene: &WorldScene, method: &str) -> Result<Self, String> {
-        let renderer = scene.renderer(method).map_err(|errors| {
-            let errors: Vec<_> = errors.iter().map(ToString::to_string).collect();
-            errors.join("; ")
-        })?;
+        let renderer = scene.renderer(method);
+        let renderer = renderer.map_err(|errors| errors.to_string())?;
         let params = PlantParams {
             period: scene.timing.period,
             actuator: ActuatorParams::default(),
