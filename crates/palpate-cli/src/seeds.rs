@@ -54,8 +54,8 @@ impl SeedFlags {
             (None, Some(_)) => seed,
             (None, None) => {
                 return Err(self.refused(
-                    "nothing is random in this scene (no jitter of samples or commands, drops or sensor noise), so every seed gives \
-                     the same numbers; omit the flag, or vary the start with --start-range",
+                    "nothing is random in this scene (no jitter of samples or commands, drops or sensor noise), so every \
+                     seed gives the same numbers; omit the flag, or vary the start with --start-range",
                 ));
             }
         };

@@ -226,7 +226,7 @@ fn delay_above_model_limit_is_reported() {
     folder.fail(
         "pipe --stiffness 1000 --mass inf --period 0.001 --device-mass 0.2 --delay-periods 12",
         2,
-        &["--delay-periods is 12 samples", "at most 8"],
+        &["--delay-periods is 0.012 s, 12 periods", "at most 8"],
     );
 }
 

@@ -67,7 +67,7 @@ fn the_drawings_name_what_they_show() {
     assert_eq!(folder.succeed("paper figure fig1"), "wrote fig1.svg\n");
     let modes = [
         "(a) free motion",
-        "(a) contact",
+        "contact",
         "(b) sampled loop",
         "zero-order hold",
         "p = ξ − η > 0",
