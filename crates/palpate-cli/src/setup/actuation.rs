@@ -307,8 +307,8 @@ impl ActuationFlags {
 /// Rejects a delay `[s]` of more than `most` periods of `period` `[s]`, and returns its number of periods.
 fn periods_of(flag: &str, delay: f64, period: f64, most: usize) -> Result<f64, Failure> {
     let periods = delay / period;
-    // A quotient of decimal times is not exact. A period that is not above 0 is refused by its own check.
-    if period.is_nan() || period <= 0.0 || periods <= most as f64 + 1e-5 {
+    // A quotient of decimal times is not exact. A period that is not finite and above 0 is refused by its own check.
+    if !period.is_finite() || period <= 0.0 || periods <= most as f64 + 1e-5 {
         return Ok(periods);
     }
     Err(Failure::Arguments(format!(
