@@ -20,7 +20,7 @@ pub fn row(sequence: u64) -> Row {
             commanded_force: [of(14.0), of(15.0), of(16.0)],
             commanded_torque: [of(17.0), of(18.0), of(19.0)],
             delivered_force: [of(20.0), of(21.0), of(22.0)],
-            // The committed recordings are older than these columns.
+            // The recordings by other tools are older than these columns.
             delivered_slope: [f64::NAN; 3],
             delivered_torque: [of(23.0), of(24.0), f64::NEG_INFINITY],
             sequence,
