@@ -103,6 +103,7 @@ fn suffix(unit: &str) -> &'static str {
         "m" => "_m",
         "m/s" => "_m_per_s",
         "N" => "_n",
+        "N/s" => "_n_per_s",
         "N m" => "_n_m",
         "J" => "_j",
         "rad/s" => "_rad_per_s",
@@ -247,7 +248,7 @@ mod tests {
     fn the_name_of_a_column_ends_with_its_unit() {
         for column in all() {
             let Column { name, unit, .. } = *column;
-            let units = ["1", "s", "m", "m/s", "N", "N m", "J", "rad/s"];
+            let units = ["1", "s", "m", "m/s", "N", "N/s", "N m", "J", "rad/s"];
             assert!(units.contains(&unit), "{name}");
             assert!(name.ends_with(suffix(unit)), "{name} in {unit}");
             assert_eq!(format!("{}{}", column.short_name(), suffix(unit)), name);
