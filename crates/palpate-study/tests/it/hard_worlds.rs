@@ -59,9 +59,12 @@ duration_s = 0.6
 fn a_light_plate_under_a_finger_at_50_hz_is_followed() {
     for (stiffness, most) in [("4800.0", 45.0), ("20000.0", 90.0)] {
         let source = PLATE.replace("4800.0", stiffness);
-        let run = coupled(&source);
-        // Many more sub-steps: the error is not theirs.
         let scene = scene(&source);
+        let bench = WorldBench::new(&scene).unwrap();
+        let run = bench
+            .run("coupled", &scene.renderer("coupled").unwrap())
+            .unwrap();
+        // Many more sub-steps: the error is not theirs.
         let mut loop_params = scene.loop_params();
         loop_params.sub_steps = SubSteps {
             phase: 0.003,
@@ -71,10 +74,7 @@ fn a_light_plate_under_a_finger_at_50_hz_is_followed() {
         };
         let method = scene.method("coupled").unwrap();
         let fine = WorldRenderer::new(&scene.world, loop_params, method).unwrap();
-        let fine = WorldBench::new(&scene)
-            .unwrap()
-            .run("coupled", &fine)
-            .unwrap();
+        let fine = bench.run("coupled", &fine).unwrap();
         println!(
             "{stiffness} N/m: E {:.1} %, {:.1} % with fine sub-steps, {} refused, {:.2e} J created",
             error(&run),

@@ -259,9 +259,9 @@ fn pressed_by_coupled(scene: &WorldScene, seconds: usize) -> [f64; 3] {
 }
 
 #[test]
-fn a_peg_that_a_hand_presses_for_a_minute_stays_in_its_hole_and_is_quiet() {
-    let mut scene = scene("peg");
-    let [force, torque, deepest] = pressed_by_coupled(&scene, 60);
+fn a_pressed_peg_stays_in_its_hole_and_is_quiet() {
+    let scene = scene("peg");
+    let [force, torque, deepest] = pressed_by_coupled(&scene, 20);
     println!(
         "5 kN/m, 2 um: ripple of the force {force:.2} %, of the torque {torque:.2} %; deepest {:.3} mm",
         1e3 * deepest
@@ -270,20 +270,6 @@ fn a_peg_that_a_hand_presses_for_a_minute_stays_in_its_hole_and_is_quiet() {
     // The first impact is the deepest, as it is in the ideal.
     let of_ideal = WorldBench::new(&scene).unwrap().ideal().deepest();
     assert!(deepest < 1.05 * of_ideal, "{deepest} m, {of_ideal} m");
-    // What fails: stiff walls and coarse sensors.
-    for (stiffness, quantum, angle) in [
-        (5e3, 1e-5, 1.75e-4),
-        (4e4, 2e-6, 3.5e-5),
-        (4e4, 1e-5, 1.75e-4),
-    ] {
-        scene = measured(scene, quantum, angle);
-        scene.world.contacts[0].law.stiffness = stiffness;
-        let [force, torque, deepest] = pressed_by_coupled(&scene, 2);
-        println!(
-            "{stiffness} N/m, {quantum} m: ripple of the force {force:.2} %, of the torque {torque:.2} %; deepest {:.3} mm",
-            1e3 * deepest
-        );
-    }
 }
 
 /// The tool is a box that is pressed onto a free box on a table, with friction.
@@ -291,13 +277,14 @@ fn a_peg_that_a_hand_presses_for_a_minute_stays_in_its_hole_and_is_quiet() {
 fn a_box_that_is_pressed_onto_a_free_box_is_near_the_floor_and_at_it_with_the_device_known() {
     let model = scene("box-on-box");
     let known = known(model.clone());
-    let [[of_model, ..], [of_known, ..]] = [&model, &known].map(|scene| {
+    let [bench, of_known_bench] = [&model, &known].map(|scene| {
         let bench = WorldBench::new(scene).unwrap();
         assert_eq!(bench.self_check().unwrap().chaotic_from, None);
-        errors(&run(scene, &bench, "coupled"))
+        bench
     });
-    let bench = WorldBench::new(&model).unwrap();
+    let [of_model, ..] = errors(&run(&model, &bench, "coupled"));
     let [of_basic, ..] = errors(&run(&model, &bench, "basic"));
+    let [of_known, ..] = errors(&run(&known, &of_known_bench, "coupled"));
     println!(
         "box-on-box: E basic {of_basic:.1} %, coupled told wrong {of_model:.2} %, device known {of_known:.3} %"
     );

@@ -314,18 +314,6 @@ fn a_probe_in_a_pocket_does_not_pop_through_its_thin_wall() {
     assert!(bench.ideal().deepest() > 0.0012);
 }
 
-/// E of a scene of `experiments/worlds` with a perfect sensor, and with the device and its hand known, which is a constant
-/// force then.
-fn error_if_known(name: &str) -> f64 {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/worlds/");
-    let model = std::fs::read_to_string(format!("{path}{name}.toml")).unwrap();
-    let ([run], bench) = runs(&known(&model), ["coupled"]);
-    assert_eq!(bench.self_check().unwrap().chaotic_from, None);
-    let error = error(&run);
-    println!("{name}: E known {error:.3} %");
-    error
-}
-
 /// The scene without what the renderer does not know.
 fn known(model: &str) -> String {
     let (before, hand) = model.split_once("[device.hand]").unwrap();
@@ -359,38 +347,6 @@ fn several_spheres_of_a_tool_touch_a_mesh_that_moves() {
     assert!(error(&run) < 0.1, "{}", error(&run));
     let last = bench.ideal().states.last().unwrap();
     assert_eq!(last.contacts.len(), 2 * 4 + 24);
-}
-
-#[test]
-fn a_mesh_that_moves_is_rendered_as_its_ideal_moves() {
-    let error = error_if_known("knob");
-    assert!(error < 0.1, "{error}");
-}
-
-#[test]
-fn a_hull_is_rendered_as_its_ideal_moves() {
-    for name in ["gem", "cairn"] {
-        let error = error_if_known(name);
-        assert!(error < 0.1, "{error}");
-    }
-}
-
-#[test]
-fn capsules_on_a_box_on_each_other_and_on_a_hull_are_rendered_as_their_ideal_moves() {
-    let error = error_if_known("logs");
-    assert!(error < 0.1, "{error}");
-}
-
-#[test]
-fn cylinders_on_a_box_and_on_each_other_are_rendered_as_their_ideal_moves() {
-    let error = error_if_known("cans");
-    assert!(error < LOOSE, "{error}");
-}
-
-#[test]
-fn points_on_a_grid_of_distances_are_rendered_as_their_ideal_moves() {
-    let error = error_if_known("angle");
-    assert!(error < 0.1, "{error}");
 }
 
 /// Of two meshes that both have a shell and a grid, the smaller one provides the points, in the renderer and in the
