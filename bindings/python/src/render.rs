@@ -127,16 +127,19 @@ impl MotionToRender {
     fn rendered<T>(
         self,
         stop: &Stop,
-        make: impl FnOnce(&str, &ReplaySetup, &Replay, Vec<Run>) -> T,
+        make: impl FnOnce(&str, &ReplaySetup, &Replay, RecordedMotion, Vec<Run>) -> T,
     ) -> Result<T, ReplayError> {
         let replay = Replay::new(self.setup, &self.times, &self.positions)?;
+        // Takes as long as there are periods, whose number is checked by now.
+        let period = self.setup.loop_params.period;
+        let covers = RecordedMotion::new(&self.times, period, self.left_out);
         drop((self.times, self.positions));
         let mut runs = Vec::with_capacity(self.methods.len());
         for method in self.methods {
             stop.leave_if_raised();
             runs.push(replay.run(method, &self.settings)?);
         }
-        Ok(make(&self.title, &self.setup, &replay, runs))
+        Ok(make(&self.title, &self.setup, &replay, covers, runs))
     }
 }
 
@@ -151,16 +154,8 @@ pub fn render<'py>(
     settings_given: &Bound<'py, PyDict>,
 ) -> PyResult<RenderedInPython<'py>> {
     let motion = MotionToRender::new(&motion, method, parameters, settings_given)?;
-    let covers = RecordedMotion::new(
-        &motion.times,
-        motion.setup.loop_params.period,
-        motion.left_out,
-    );
-    if let Some(warning) = covers.warning() {
-        warn(py, &warning)?;
-    }
     let rendered = interruptible(py, move |stop| {
-        motion.rendered(stop, |title, setup, replay, runs| {
+        motion.rendered(stop, |title, setup, replay, covers, runs| {
             let subject = Subject::of_replay(title.to_owned(), setup);
             let mut report = Report::new(&subject, replay.reference(), &runs);
             let (samples, period) = (setup.delay().whole_samples(), setup.loop_params.period);
@@ -168,10 +163,13 @@ pub fn render<'py>(
             report.replayed(Replayed::Motion);
             report.moved(covers);
             let ideal = of_ideal(replay.reference());
-            Rendered::of(&report, ideal, runs)
+            (Rendered::of(&report, ideal, runs), covers.warning())
         })
     })?;
-    let rendered = rendered.map_err(|error| wrong_replay(&error))?;
+    let (rendered, warning) = rendered.map_err(|error| wrong_replay(&error))?;
+    if let Some(warning) = warning {
+        warn(py, &warning)?;
+    }
     rendered.into_python(py)
 }
 
@@ -187,7 +185,7 @@ pub fn render_figure(
 ) -> PyResult<String> {
     let motion = MotionToRender::new(&motion, method, parameters, settings_given)?;
     let figure = interruptible(py, move |stop| {
-        motion.rendered(stop, |title, _, replay, runs| {
+        motion.rendered(stop, |title, _, replay, _, runs| {
             of_runs(title, replay.reference(), &runs, Devices::Recorded)
         })
     })?;

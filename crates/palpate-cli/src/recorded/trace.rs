@@ -25,7 +25,7 @@ const SHORTEST_FIT: f64 = 1.0;
 /// Returns the remedy for a recording with too many periods.
 pub fn how_to_cut() -> String {
     format!(
-        "at most {MAX_PERIODS} are allowed: select a part with --from and --to [s], or use a longer --period"
+        "at most {MAX_PERIODS} are allowed: select a part with --from and --to [s], or use a longer period"
     )
 }
 

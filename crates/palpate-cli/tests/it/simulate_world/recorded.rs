@@ -40,6 +40,15 @@ fn a_recorded_motion_is_rendered_in_a_world() {
         "cut.csv",
         "t,x,y,z\n0,0,0,0.08\n0.001,0,0,0.08\n0.002,0,0,0.0",
     );
+    folder.write(
+        "long.csv",
+        "t,x,y,z\n0,0,0,0.08\n20,0,0,0.08\n1e9,0,0,0.08\n",
+    );
+    folder.fail(
+        "render ball.toml --input long.csv --method basic --time-unit s",
+        3,
+        &["long.csv: the trace continues for more than 2000000 periods (2000 s)"],
+    );
     let cut = folder.palpate("render ball.toml --input cut.csv --method basic");
     assert!(cut.stderr.contains("`0.0`, may be cut off"), "{cut:?}");
     folder.succeed("render ball.toml --input motion.csv --plot x.svg");
