@@ -12,14 +12,15 @@
 //! A [`DevicePlant`] moves under held forces. A settling force is therefore delivered in pieces. Each piece is held in
 //! two halves that have the impulse and the first moment of the exponential. At the end of each piece a mass under
 //! constant forces has the position, velocity and port work that the exponential would have produced. A device whose
-//! forces depend on its motion sees a second-moment error; the pieces are short against all of its rates.
+//! forces depend on its motion sees a second-moment error; the pieces are short against all of its rates. A linear device
+//! computes its response to all pieces once ([`DevicePlant::advance_settling`]).
 
 use crate::InvalidParameter;
 use crate::device::DevicePlant;
 use crate::error::positive;
 
 /// Longest piece of a settling force `[s]`.
-const LONGEST_PIECE: f64 = 2.5e-4;
+pub(crate) const LONGEST_PIECE: f64 = 2.5e-4;
 /// Longest piece in lags.
 const PIECE_IN_LAGS: f64 = 0.25;
 /// Number of lags after which a force has settled: the remainder is below round-off.
@@ -109,7 +110,26 @@ impl Actuator {
         command: f64,
         duration: f64,
     ) -> Delivered {
-        self.drive_in_pieces(device, command, duration, LONGEST_PIECE)
+        let aim = self.params.gain * command;
+        let lag = self.params.lag;
+        if lag == 0.0 {
+            self.force = aim;
+        }
+        if lag == 0.0 || duration <= 0.0 {
+            return Delivered {
+                mean_force: self.force,
+                work: device.advance(self.force, duration),
+            };
+        }
+        let excess = self.force - aim;
+        let work = device.advance_settling(aim, excess, lag, duration);
+        let work =
+            work.unwrap_or_else(|| in_pieces(device, (aim, excess), lag, duration, LONGEST_PIECE));
+        self.force = aim + excess * (-duration / lag).exp();
+        Delivered {
+            mean_force: aim - excess * lag * (-duration / lag).exp_m1() / duration,
+            work,
+        }
     }
 
     /// Moves `device` on for `duration` `[s]` while a line is held at the input of this actuator, with a mean of `command`
@@ -141,53 +161,38 @@ impl Actuator {
             work,
         }
     }
+}
 
-    fn drive_in_pieces(
-        &mut self,
-        device: &mut impl DevicePlant,
-        command: f64,
-        duration: f64,
-        longest: f64,
-    ) -> Delivered {
-        let aim = self.params.gain * command;
-        let lag = self.params.lag;
-        if lag == 0.0 || duration <= 0.0 {
-            if lag == 0.0 {
-                self.force = aim;
-            }
-            return Delivered {
-                mean_force: self.force,
-                work: device.advance(self.force, duration),
-            };
-        }
-        let excess = self.force - aim;
-        let settling = duration.min(SETTLED_AFTER * lag);
-        let pieces = (settling / longest.min(PIECE_IN_LAGS * lag))
-            .ceil()
-            .max(1.0);
-        let piece = settling / pieces;
-        let [first, second, after] = halves(piece / lag);
-        let mut work = 0.0;
-        let mut left = excess;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "at least 1, and bounded for every duration of a loop"
-        )]
-        for _ in 0..pieces as u64 {
-            work += device.advance(aim + first * left, 0.5 * piece);
-            work += device.advance(aim + second * left, 0.5 * piece);
-            left *= after;
-        }
-        if duration > settling {
-            work += device.advance(aim, duration - settling);
-        }
-        self.force = aim + excess * (-duration / lag).exp();
-        Delivered {
-            mean_force: aim - excess * lag * (-duration / lag).exp_m1() / duration,
-            work,
-        }
+/// Moves `device` on for `duration` while the force on the object is aim + excess e^(−t/lag), in pieces of at most
+/// `longest`; returns the work.
+pub(crate) fn in_pieces(
+    device: &mut impl DevicePlant,
+    (aim, excess): (f64, f64),
+    lag: f64,
+    duration: f64,
+    longest: f64,
+) -> f64 {
+    let settling = duration.min(SETTLED_AFTER * lag);
+    let pieces = (settling / longest.min(PIECE_IN_LAGS * lag))
+        .ceil()
+        .max(1.0);
+    let piece = settling / pieces;
+    let [first, second, after] = halves(piece / lag);
+    let (mut work, mut left) = (0.0, excess);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at least 1, and bounded for every duration of a loop"
+    )]
+    for _ in 0..pieces as u64 {
+        work += device.advance(aim + first * left, 0.5 * piece);
+        work += device.advance(aim + second * left, 0.5 * piece);
+        left *= after;
     }
+    if duration > settling {
+        work += device.advance(aim, duration - settling);
+    }
+    work
 }
 
 /// Returns the two values, each held for half of a piece of `x` lags, that match the integral and the first moment of
@@ -342,10 +347,12 @@ mod tests {
                 .unwrap();
             for lag in [5e-5, 3e-4, 2e-3] {
                 let run = |longest: f64| {
-                    let (mut device, mut real) = (device.clone(), actuator(1.0, lag));
+                    let (mut device, mut force) = (device.clone(), 0.0);
                     for i in 0..60_i32 {
                         let command = if i % 7 < 3 { 9.0 } else { -2.0 };
-                        real.drive_in_pieces(&mut device, command, 1e-3, longest);
+                        let excess = force - command;
+                        in_pieces(&mut device, (command, excess), lag, 1e-3, longest);
+                        force = command + excess * (-1e-3 / lag).exp();
                     }
                     (device.position(), device.velocity())
                 };

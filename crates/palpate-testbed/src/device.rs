@@ -21,6 +21,20 @@ pub trait DevicePlant {
     /// device back.
     fn advance(&mut self, force_on_object: f64, duration: f64) -> f64;
 
+    /// Moves on for `duration` `[s]` while the force on the object is `aim + excess e^(−t/lag)` `[N]`, `lag` in `[s]`.
+    ///
+    /// Returns the work as [`advance`](DevicePlant::advance) does; `None`, without a motion, from a device that needs a
+    /// force in pieces.
+    fn advance_settling(
+        &mut self,
+        _aim: f64,
+        _excess: f64,
+        _lag: f64,
+        _duration: f64,
+    ) -> Option<f64> {
+        None
+    }
+
     /// A sample instant of a loop with this period `[s]`, before a force is held: where the
     /// device's own controllers run. Most have none.
     fn sample(&mut self, _period: f64) {}

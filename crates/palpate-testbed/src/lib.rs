@@ -83,6 +83,7 @@ pub mod recorded_path;
 pub mod reference;
 pub mod relative_motion;
 pub mod schedule;
+mod settling;
 pub mod sprung_mass;
 mod taps;
 pub mod timeline;

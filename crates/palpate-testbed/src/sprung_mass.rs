@@ -6,6 +6,7 @@
 use crate::InvalidParameter;
 use crate::device::DevicePlant;
 use crate::error::{finite, positive};
+use crate::settling::{LinearPlant, Recent, Settling};
 
 /// M ξ″ = f_u − k ξ − b ξ′ − f, exact under a held force for any duration. M is the mass of device and
 /// hand together, b the damping of both.
@@ -17,7 +18,9 @@ pub struct SprungMass {
     user_force: f64,
     position: f64,
     velocity: f64,
-    response: Response,
+    responses: Recent<f64, Response>,
+    /// Responses to a settling force, by lag and duration `[s]`.
+    settling: Recent<(f64, f64), Settling>,
 }
 
 /// Effect of a duration on position, velocity and a constant acceleration a `[m/s²]`:
@@ -28,7 +31,6 @@ pub struct SprungMass {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Response {
-    duration: f64,
     pp: f64,
     pv: f64,
     pa: f64,
@@ -54,10 +56,7 @@ impl Response {
         for _ in 0..doublings {
             response = response.twice();
         }
-        Self {
-            duration,
-            ..response
-        }
+        response
     }
 
     fn of_series(duration: f64, stiffness: f64, damping: f64) -> Self {
@@ -85,7 +84,6 @@ impl Response {
         let (pv, vv) = column(0.0, 1.0, 0.0);
         let (pa, va) = column(0.0, 0.0, 1.0);
         Self {
-            duration,
             pp,
             pv,
             pa,
@@ -98,7 +96,6 @@ impl Response {
     /// The response to twice the duration.
     fn twice(self) -> Self {
         let Self {
-            duration,
             pp,
             pv,
             pa,
@@ -107,7 +104,6 @@ impl Response {
             va,
         } = self;
         Self {
-            duration: 2.0 * duration,
             pp: pp * pp + pv * vp,
             pv: pp * pv + pv * vv,
             pa: pp * pa + pv * va + pa,
@@ -155,7 +151,8 @@ impl SprungMass {
             user_force: finite("user_force", user_force, "finite [N]")?,
             position: 0.0,
             velocity: 0.0,
-            response: Response::after(0.0, stiffness / mass, damping / mass),
+            responses: Recent::new(0.0, Response::after(0.0, stiffness / mass, damping / mass)),
+            settling: Recent::new((0.0, 0.0), Settling::NONE),
         })
     }
 
@@ -183,13 +180,8 @@ impl DevicePlant for SprungMass {
     }
 
     fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
-        if duration != self.response.duration {
-            self.response = Response::after(
-                duration,
-                self.stiffness / self.mass,
-                self.damping / self.mass,
-            );
-        }
+        let (stiffness, damping) = (self.stiffness / self.mass, self.damping / self.mass);
+        let make = || Response::after(duration, stiffness, damping);
         let Response {
             pp,
             pv,
@@ -197,8 +189,7 @@ impl DevicePlant for SprungMass {
             vp,
             vv,
             va,
-            ..
-        } = self.response;
+        } = self.responses.get(duration, make);
         let acceleration = (self.user_force - force_on_object) / self.mass;
         let (before, velocity) = (self.position, self.velocity);
         self.position = pp * before + pv * velocity + pa * acceleration;
@@ -206,11 +197,38 @@ impl DevicePlant for SprungMass {
         force_on_object * (self.position - before)
     }
 
+    fn advance_settling(&mut self, aim: f64, excess: f64, lag: f64, duration: f64) -> Option<f64> {
+        let device = *self;
+        let make = || Settling::of(&device, lag, duration);
+        let settling = self.settling.get((lag, duration), make);
+        Some(settling.advance(self, aim, excess, duration))
+    }
+
     /// M ξ′²/2 + k ξ²/2 − f_u ξ `[J]`; the damping takes its share of it, too.
     fn stored_energy(&self) -> f64 {
         0.5 * self.mass * self.velocity * self.velocity
             + 0.5 * self.stiffness * self.position * self.position
             - self.user_force * self.position
+    }
+}
+
+impl LinearPlant for SprungMass {
+    fn placed(&self, position: f64, velocity: f64, acceleration: f64) -> Self {
+        Self {
+            position,
+            velocity,
+            user_force: self.mass * acceleration,
+            ..*self
+        }
+    }
+
+    fn kick(&mut self, position: f64, velocity: f64) {
+        self.position += position;
+        self.velocity += velocity;
+    }
+
+    fn acceleration(&self, force_on_object: f64) -> f64 {
+        (self.user_force - force_on_object) / self.mass
     }
 }
 

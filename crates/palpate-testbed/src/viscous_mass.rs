@@ -6,6 +6,7 @@
 use crate::InvalidParameter;
 use crate::device::DevicePlant;
 use crate::error::{finite, positive};
+use crate::settling::{LinearPlant, Recent, Settling};
 
 /// m ξ″ = f_u − b ξ′ − f, exact under a held force for any duration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,13 +16,14 @@ pub struct ViscousMass {
     user_force: f64,
     position: f64,
     velocity: f64,
-    response: Response,
+    responses: Recent<f64, Response>,
+    /// Responses to a settling force, by lag and duration `[s]`.
+    settling: Recent<(f64, f64), Settling>,
 }
 
 /// Effect of a duration on the velocity and on a constant acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Response {
-    duration: f64,
     /// e^(−λh)
     kept: f64,
     /// (1 − e^(−λh))/λ `[s]`
@@ -40,7 +42,6 @@ impl Response {
         if x > SMALL {
             let once = -(-x).exp_m1() / rate;
             return Self {
-                duration,
                 kept,
                 once,
                 twice: (duration - once) / rate,
@@ -55,7 +56,6 @@ impl Response {
         }
         let twice = duration * duration * sum;
         Self {
-            duration,
             kept,
             once: duration - rate * twice,
             twice,
@@ -85,7 +85,8 @@ impl ViscousMass {
             user_force: finite("user_force", user_force, "finite [N]")?,
             position: 0.0,
             velocity: 0.0,
-            response: Response::after(0.0, friction / mass),
+            responses: Recent::new(0.0, Response::after(0.0, friction / mass)),
+            settling: Recent::new((0.0, 0.0), Settling::NONE),
         })
     }
 
@@ -113,12 +114,9 @@ impl DevicePlant for ViscousMass {
     }
 
     fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
-        if duration != self.response.duration {
-            self.response = Response::after(duration, self.friction / self.mass);
-        }
-        let Response {
-            kept, once, twice, ..
-        } = self.response;
+        let rate = self.friction / self.mass;
+        let make = || Response::after(duration, rate);
+        let Response { kept, once, twice } = self.responses.get(duration, make);
         let acceleration = (self.user_force - force_on_object) / self.mass;
         let travel = self.velocity * once + acceleration * twice;
         self.position += travel;
@@ -126,9 +124,36 @@ impl DevicePlant for ViscousMass {
         force_on_object * travel
     }
 
+    fn advance_settling(&mut self, aim: f64, excess: f64, lag: f64, duration: f64) -> Option<f64> {
+        let device = *self;
+        let make = || Settling::of(&device, lag, duration);
+        let settling = self.settling.get((lag, duration), make);
+        Some(settling.advance(self, aim, excess, duration))
+    }
+
     /// m ξ′²/2 − f_u ξ `[J]`; friction takes its share of it, too.
     fn stored_energy(&self) -> f64 {
         0.5 * self.mass * self.velocity * self.velocity - self.user_force * self.position
+    }
+}
+
+impl LinearPlant for ViscousMass {
+    fn placed(&self, position: f64, velocity: f64, acceleration: f64) -> Self {
+        Self {
+            position,
+            velocity,
+            user_force: self.mass * acceleration,
+            ..*self
+        }
+    }
+
+    fn kick(&mut self, position: f64, velocity: f64) {
+        self.position += position;
+        self.velocity += velocity;
+    }
+
+    fn acceleration(&self, force_on_object: f64) -> f64 {
+        (self.user_force - force_on_object) / self.mass
     }
 }
 
