@@ -13,8 +13,12 @@ use super::{
     TICK_TOPIC, Tick, cdr, schema,
 };
 
-/// Maximum size of a chunk without a flush [bytes]: about three seconds of one contact at 1 kHz.
+/// Maximum size of a chunk without a flush, before its compression [bytes]: about three seconds of one contact at 1 kHz.
 const CHUNK: usize = 1 << 20;
+#[cfg(not(target_family = "wasm"))]
+const COMPRESSION: Option<mcap::Compression> = Some(mcap::Compression::Lz4);
+#[cfg(target_family = "wasm")]
+const COMPRESSION: Option<mcap::Compression> = None;
 /// Longest text of an event [bytes].
 const LONGEST_TEXT: usize = 1 << 20;
 
@@ -42,7 +46,7 @@ impl<W: Write> Stream<W> {
     pub fn begin(out: W, metadata: &RecordingMetadata) -> io::Result<Self> {
         let metadata = metadata.to_metadata().map_err(invalid)?;
         let mut mcap = WriteOptions::new()
-            .compression(None)
+            .compression(COMPRESSION)
             .library(concat!("palpate ", env!("CARGO_PKG_VERSION")))
             // Automatic chunks could end between a tick and its contacts.
             .chunk_size(None)

@@ -141,10 +141,8 @@ fn cut_anywhere_it_has_no_tick_without_all_its_contacts() {
             within_a_chunk += usize::from(!there.is_multiple_of(4));
             most = most.max(there);
         }
-        assert!(
-            within_a_chunk > 500 && most == 12,
-            "{within_a_chunk} {most}"
-        );
+        // A cut chunk is read from where its only lz4 block is whole.
+        assert!(within_a_chunk > 0 && most == 12, "{within_a_chunk} {most}");
     }
 }
 

