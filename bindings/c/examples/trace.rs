@@ -76,6 +76,7 @@ fn run<S: Scalar>(
             force,
             output.force_on_device,
             output.force_on_object,
+            output.slope_on_device,
             output.object_position,
             output.object_velocity,
             output.penetration,

@@ -339,6 +339,32 @@ typedef uint32_t palpate_guard;
 #endif // __cplusplus
 
 /*
+ Force that the actuator holds for each command, over one period.
+ */
+enum palpate_hold
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   A constant: zero-order hold.
+   */
+  PALPATE_HOLD_CONSTANT = 0,
+  /*
+   A line: `force_on_device + slope_on_device (t - T/2)` for t from 0 to the period T, then its last value. It
+   requires coupled rendering and an output at each tick, and excludes a lag, a slew limit and a guard.
+   */
+  PALPATE_HOLD_LINE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_hold palpate_hold;
+#else
+typedef uint32_t palpate_hold;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
  Texts that palpate_method_text returns for a method.
  */
 enum palpate_about_method
@@ -401,7 +427,7 @@ typedef uint32_t palpate_about_setting;
 #endif // __cplusplus
 
 /*
- Limits that changed the force: bits of `limited`.
+ Limits that changed the force, and PALPATE_LIMIT_BEYOND_GUARD, which changes none: bits of `limited`.
  */
 enum palpate_limit
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -441,6 +467,11 @@ enum palpate_limit
    world and create it again.
    */
   PALPATE_LIMIT_STOPPED = 128,
+  /*
+   The device accelerated beyond guard_acceleration in the interval that this sample ends. For the next force the
+   guard uses its bound by speed.
+   */
+  PALPATE_LIMIT_BEYOND_GUARD = 256,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -727,9 +758,9 @@ typedef struct palpate_loop_params {
    */
   uint32_t guard;
   /*
-   Must be 0.
+   A palpate_hold: what the actuator holds. Default: PALPATE_HOLD_CONSTANT.
    */
-  uint32_t reserved;
+  uint32_t hold;
 } palpate_loop_params;
 
 /*
@@ -780,6 +811,11 @@ typedef struct palpate_output {
    */
   double force_on_object;
   /*
+   Slope of the force on the device [N/s]: with PALPATE_HOLD_LINE command `force_on_device + slope_on_device (t -
+   T/2)` for t from 0 to the period T, and hold the last value if no command follows. Otherwise 0.
+   */
+  double slope_on_device;
+  /*
    Position of the object's surface at this sample [m].
    */
   double object_position;
@@ -809,7 +845,7 @@ typedef struct palpate_output {
    */
   palpate_fault fault;
   /*
-   Limits that changed the force: bits of palpate_limit.
+   Active limits: bits of palpate_limit.
    */
   uint32_t limited;
   /*
@@ -918,6 +954,11 @@ typedef struct palpate_output_f32 {
    */
   float force_on_object;
   /*
+   Slope of the force on the device [N/s]: with PALPATE_HOLD_LINE command `force_on_device + slope_on_device (t -
+   T/2)` for t from 0 to the period T, and hold the last value if no command follows. Otherwise 0.
+   */
+  float slope_on_device;
+  /*
    Position of the object's surface at this sample [m].
    */
   float object_position;
@@ -947,7 +988,7 @@ typedef struct palpate_output_f32 {
    */
   palpate_fault fault;
   /*
-   Limits that changed the force: bits of palpate_limit.
+   Active limits: bits of palpate_limit.
    */
   uint32_t limited;
   /*
@@ -1406,7 +1447,7 @@ typedef struct palpate_world_output {
    */
   uint32_t fault_device;
   /*
-   Limits that changed a wrench: bits of palpate_limit.
+   Active limits: bits of palpate_limit.
    */
   uint32_t limited;
   /*
@@ -1916,8 +1957,8 @@ palpate_status palpate_contact_place(void *memory,
  Executes one tick: takes a sample and returns the force on the device [N], to be held until the next tick.
 
  It cannot fail: the force is finite for any input, and 0 if the sample is rejected or an argument is
- wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL; otherwise its `fault`
- is the reason for rejecting a sample. PALPATE_FAULT_ARGUMENT means that an argument is wrong: no tick was
+ wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL, except with
+ PALPATE_HOLD_LINE, whose force is the mean of a line; otherwise its `fault` is the reason for rejecting a sample. PALPATE_FAULT_ARGUMENT means that an argument is wrong: no tick was
  executed, and the contact is unchanged.
 
  # Safety
@@ -1935,6 +1976,17 @@ double palpate_contact_step(struct palpate_contact *contact,
  `contact` is NULL or a contact.
  */
 palpate_status palpate_contact_report_sent(struct palpate_contact *contact, double force_on_device);
+
+/*
+ Reports the line that was actually sent to the device for the last tick: its mean [N] and its slope [N/s]. With
+ PALPATE_HOLD_LINE palpate_contact_report_sent reports a constant. A non-finite value is rejected.
+
+ # Safety
+ `contact` is NULL or a contact.
+ */
+palpate_status palpate_contact_report_sent_line(struct palpate_contact *contact,
+                                                double force_on_device,
+                                                double slope_on_device);
 
 /*
  Reports the measured mean force on the device since the last sample [N]. A non-finite force is rejected.
@@ -2043,6 +2095,16 @@ float palpate_contact_f32_step(struct palpate_contact_f32 *contact,
  `contact` is NULL or a contact.
  */
 palpate_status palpate_contact_f32_report_sent(struct palpate_contact_f32 *contact, float force_on_device);
+
+/*
+ As palpate_contact_report_sent_line, in float.
+
+ # Safety
+ `contact` is NULL or a contact.
+ */
+palpate_status palpate_contact_f32_report_sent_line(struct palpate_contact_f32 *contact,
+                                                    float force_on_device,
+                                                    float slope_on_device);
 
 /*
  As palpate_contact_report_held, in float.
@@ -2324,7 +2386,8 @@ palpate_status palpate_recorder_contact_tick(struct palpate_recorder *recorder,
                                              const struct palpate_contact *contact,
                                              const struct palpate_sample *sample,
                                              const struct palpate_output *output,
-                                             double sent_force);
+                                             double sent_force,
+                                             double sent_slope);
 
 /*
  Records a tick of the recorder's world after its palpate_world_step: the sample, the output, and the wrench that was
@@ -2825,7 +2888,7 @@ static inline palpate_sample palpate_sample_at(double device_position) {
 /* Returns an empty output for palpate_contact_step. */
 static inline palpate_output palpate_output_empty(void) {
   palpate_output output = {
-      sizeof(palpate_output), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, PALPATE_PHASE_WAITING, PALPATE_FAULT_NONE, 0, 0};
+      sizeof(palpate_output), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, PALPATE_PHASE_WAITING, PALPATE_FAULT_NONE, 0, 0};
   return output;
 }
 
@@ -2837,7 +2900,7 @@ static inline palpate_sample_f32 palpate_sample_f32_at(float device_position) {
 
 /* palpate_output_empty, in float. */
 static inline palpate_output_f32 palpate_output_f32_empty(void) {
-  palpate_output_f32 output = {sizeof(palpate_output_f32), 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
+  palpate_output_f32 output = {sizeof(palpate_output_f32), 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
                                PALPATE_PHASE_WAITING, PALPATE_FAULT_NONE, 0, 0};
   return output;
 }

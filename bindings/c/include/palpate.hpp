@@ -167,6 +167,7 @@ struct Ticks<double> {
   static Sample sample_at(double device_position) noexcept { return palpate_sample_at(device_position); }
   static constexpr auto step = palpate_contact_step;
   static constexpr auto report_sent = palpate_contact_report_sent;
+  static constexpr auto report_sent_line = palpate_contact_report_sent_line;
   static constexpr auto report_held = palpate_contact_report_held;
   static constexpr auto change = palpate_contact_change;
   static constexpr auto teleport = palpate_contact_teleport;
@@ -187,6 +188,7 @@ struct Ticks<float> {
   static Sample sample_at(float device_position) noexcept { return palpate_sample_f32_at(device_position); }
   static constexpr auto step = palpate_contact_f32_step;
   static constexpr auto report_sent = palpate_contact_f32_report_sent;
+  static constexpr auto report_sent_line = palpate_contact_f32_report_sent_line;
   static constexpr auto report_held = palpate_contact_f32_report_held;
   static constexpr auto change = palpate_contact_f32_change;
   static constexpr auto teleport = palpate_contact_f32_teleport;
@@ -242,6 +244,11 @@ class BasicContact {
 
   /* Reports the force that was actually sent to the device for the last tick [N]. A non-finite force is rejected. */
   palpate_status report_sent(Number force_on_device) noexcept { return Ticks::report_sent(contact_, force_on_device); }
+
+  /* Reports the line that was actually sent to the device for the last tick: its mean [N] and its slope [N/s]. */
+  palpate_status report_sent_line(Number force_on_device, Number slope_on_device) noexcept {
+    return Ticks::report_sent_line(contact_, force_on_device, slope_on_device);
+  }
 
   /* Reports the measured mean force on the device since the last sample [N]. */
   palpate_status report_held(Number force_on_device) noexcept { return Ticks::report_held(contact_, force_on_device); }
@@ -543,10 +550,11 @@ class Recorder {
 
   ~Recorder() { palpate_recorder_close(recorder_, nullptr); }
 
-  /* Records a tick after its step, with the force that was actually sent to the device [N]. It never waits. */
-  palpate_status tick(Contact &contact, const palpate_sample &sample, const palpate_output &output,
-                      double sent_force) noexcept {
-    return palpate_recorder_contact_tick(recorder_, contact.handle(), &sample, &output, sent_force);
+  /* Records a tick after its step, with the force [N] and the slope [N/s] that were actually sent to the device. It never
+     waits. */
+  palpate_status tick(Contact &contact, const palpate_sample &sample, const palpate_output &output, double sent_force,
+                      double sent_slope = 0.0) noexcept {
+    return palpate_recorder_contact_tick(recorder_, contact.handle(), &sample, &output, sent_force, sent_slope);
   }
 
   /* Records a tick of a world, with the wrench that was actually sent to the recorded device. */

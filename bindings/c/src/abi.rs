@@ -22,12 +22,12 @@ macro_rules! has {
 }
 
 has!(ContactParams, 80, 8, virtual_force at 40, setting_count at 64, unilateral at 76);
-has!(LoopParams, 160, 8, force_limit at 32, delay at 48, device_mass at 96, guard at 152);
+has!(LoopParams, 160, 8, force_limit at 32, delay at 48, device_mass at 96, guard at 152, hold at 156);
 has!(Sample<f64>, 40, 8, has_elapsed at 32);
-has!(Output<f64>, 80, 8, proxy_shift at 56, phase at 64, limited at 72);
+has!(Output<f64>, 88, 8, slope_on_device at 24, proxy_shift at 64, phase at 72, limited at 80);
 has!(Ledger<f64>, 88, 8, held_leak at 40);
 has!(Sample<f32>, 32, 8, has_elapsed at 20);
-has!(Output<f32>, 56, 8, proxy_shift at 32, phase at 36, limited at 44);
+has!(Output<f32>, 56, 8, slope_on_device at 16, proxy_shift at 36, phase at 40, limited at 48);
 has!(Ledger<f32>, 48, 8, held_leak at 24);
 
 #[cfg(feature = "worlds")]

@@ -5,7 +5,6 @@ use palpate_core::{
     ParameterError, Scalar,
 };
 
-use crate::choice;
 use crate::edge::status;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
@@ -23,6 +22,17 @@ pub enum GuardKind {
     Report = 1,
     /// Forces are limited to the bound.
     Limit = 2,
+}
+
+/// Force that the actuator holds for each command, over one period.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HoldKind {
+    /// A constant: zero-order hold.
+    Constant = 0,
+    /// A line: `force_on_device + slope_on_device (t - T/2)` for t from 0 to the period T, then its last value. It
+    /// requires coupled rendering and an output at each tick, and excludes a lag, a slew limit and a guard.
+    Line = 1,
 }
 
 /// Parameters of the loop and its device, and the limits. palpate_loop_params_default() fills it.
@@ -72,8 +82,8 @@ pub struct LoopParams {
     pub guard_recovery: f64,
     /// A palpate_guard. Default: PALPATE_GUARD_OFF.
     pub guard: u32,
-    /// Must be 0.
-    pub reserved: u32,
+    /// A palpate_hold: what the actuator holds. Default: PALPATE_HOLD_CONSTANT.
+    pub hold: u32,
 }
 
 // SAFETY: `repr(C)`, a `usize` first, numbers only.
@@ -124,7 +134,7 @@ impl Default for LoopParams {
             guard_mass: 0.0,
             guard_recovery: 0.0,
             guard: GuardKind::Off as u32,
-            reserved: 0,
+            hold: HoldKind::Constant as u32,
         }
     }
 }
@@ -156,7 +166,17 @@ impl LoopParams {
                 });
             }
         };
-        choice::unused(self.reserved)?;
+        let hold = match self.hold {
+            0 => Hold::Constant,
+            1 => Hold::Line,
+            given => {
+                return Err(Refusal::Choice {
+                    name: "hold",
+                    given,
+                    allowed: "PALPATE_HOLD_CONSTANT or PALPATE_HOLD_LINE",
+                });
+            }
+        };
         let refused = |parameter, value, words| {
             Refusal::Parameter(ParameterError {
                 parameter,
@@ -192,7 +212,7 @@ impl LoopParams {
                     lag_deviation: number(self.lag_deviation),
                     gain_deviation: number(self.gain_deviation),
                     transmission: None,
-                    hold: Hold::Constant,
+                    hold,
                 },
                 guard,
             },

@@ -71,7 +71,7 @@ impl Fault {
     }
 }
 
-/// Limits that changed the force: bits of `limited`.
+/// Limits that changed the force, and PALPATE_LIMIT_BEYOND_GUARD, which changes none: bits of `limited`.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
@@ -92,6 +92,9 @@ pub enum Limit {
     /// Safety stop: held forces have generated energy, and all wrenches stay 0 (worlds only). To resume, free the
     /// world and create it again.
     Stopped = 128,
+    /// The device accelerated beyond guard_acceleration in the interval that this sample ends. For the next force the
+    /// guard uses its bound by speed.
+    BeyondGuard = 256,
 }
 
 /// Result of a tick, along the contact's axis. palpate_output_empty() returns an empty one to be filled,
@@ -105,6 +108,9 @@ pub struct Output<S> {
     pub force_on_device: S,
     /// Opposite force, on the object [N].
     pub force_on_object: S,
+    /// Slope of the force on the device [N/s]: with PALPATE_HOLD_LINE command `force_on_device + slope_on_device (t -
+    /// T/2)` for t from 0 to the period T, and hold the last value if no command follows. Otherwise 0.
+    pub slope_on_device: S,
     /// Position of the object's surface at this sample [m].
     pub object_position: S,
     /// Velocity of the object at this sample [m/s].
@@ -120,7 +126,7 @@ pub struct Output<S> {
     pub phase: Phase,
     /// Reason for rejecting the sample.
     pub fault: Fault,
-    /// Limits that changed the force: bits of palpate_limit.
+    /// Active limits: bits of palpate_limit.
     pub limited: u32,
     /// Unused; 0.
     pub reserved: u32,
@@ -138,6 +144,7 @@ impl<S: Number> Output<S> {
             struct_size: size_of::<Self>(),
             force_on_device: S::ZERO,
             force_on_object: S::ZERO,
+            slope_on_device: S::ZERO,
             object_position: S::ZERO,
             object_velocity: S::ZERO,
             penetration: S::ZERO,
@@ -157,6 +164,7 @@ fn bits(limited: Limited) -> u32 {
         | bit(limited.force, Limit::Force)
         | bit(limited.slew, Limit::Slew)
         | bit(limited.guard, Limit::Guard)
+        | bit(limited.beyond_guard, Limit::BeyondGuard)
 }
 
 impl<S: Number> From<CoreOutput<S>> for Output<S> {
@@ -166,6 +174,7 @@ impl<S: Number> From<CoreOutput<S>> for Output<S> {
             struct_size: size_of::<Self>(),
             force_on_device: output.force_on_device,
             force_on_object: output.force_on_object,
+            slope_on_device: output.slope_on_device,
             object_position: output.object_position,
             object_velocity: output.object_velocity,
             penetration: output.penetration,

@@ -235,3 +235,54 @@ fn report_to_nothing() -> Status {
     // SAFETY: NULL is allowed.
     unsafe { palpate_contact_report_sent(ptr::null_mut(), 1.0) }
 }
+
+#[test]
+fn a_line_hold_gives_a_mean_and_a_slope() {
+    let (params, mut loop_params) = (contact_params(c"coupled"), loop_params());
+    loop_params.hold = HoldKind::Line as u32;
+    loop_params.device_mass = 0.25;
+    let (mass, period) = (loop_params.device_mass, loop_params.period);
+    let mut contact = ptr::null_mut();
+    let mut output = MaybeUninit::<Output<f64>>::uninit();
+    // A free device flies into a wall of 1 kN/m.
+    let (mut position, mut speed) = (-0.00095, 0.1);
+    let mut largest: f64 = 0.0;
+    // SAFETY: every pointer points to a value of its type, and `contact` is not used after it is freed.
+    unsafe {
+        output
+            .as_mut_ptr()
+            .cast::<usize>()
+            .write(size_of::<Output<f64>>());
+        let status = palpate_contact_new(&params, &loop_params, &mut contact);
+        assert_eq!(status, Status::Ok, "{}", last_error());
+        for _ in 0..40 {
+            let force = palpate_contact_step(contact, &sample(position), output.as_mut_ptr());
+            let slope = output.assume_init().slope_on_device;
+            assert_eq!(output.assume_init().force_on_device, force);
+            let status = palpate_contact_report_sent_line(contact, force, slope);
+            assert_eq!(status, Status::Ok);
+            let start = force - 0.5 * slope * period;
+            position +=
+                speed * period + (0.5 * start + slope * period / 6.0) * period * period / mass;
+            speed += force * period / mass;
+            if start < -0.2 && position > 0.0002 {
+                // The line ends at the force of the spring; a constant would be K v T/2 = 0.05 N off.
+                let end = force + 0.5 * slope * period;
+                assert!((end + 1000.0 * position).abs() < 0.003, "{end} {position}");
+                largest = largest.max(slope.abs());
+            }
+        }
+        assert!(largest > 80.0, "{largest}");
+        // A force without its slope is not the line that the renderer plans with.
+        let force = palpate_contact_step(contact, &sample(0.001), ptr::null_mut());
+        assert_eq!(force, 0.0);
+        assert_eq!(last_error(), "output, which has the slope, is NULL");
+        let status = palpate_contact_report_sent_line(contact, 0.0, f64::NAN);
+        assert_eq!(status, Status::Parameter);
+        assert_eq!(
+            last_error(),
+            "slope_on_device is NaN, but must be finite [N/s]"
+        );
+        palpate_contact_free(contact);
+    }
+}

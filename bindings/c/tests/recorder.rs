@@ -11,6 +11,11 @@ use palpate_record::recording::{Flags, Recording, Row};
 
 /// A wall of 1 kN/m.
 fn wall() -> *mut Contact<f64> {
+    wall_in(|_| ())
+}
+
+/// The wall in a loop of 1 kHz with other settings.
+fn wall_in(set: impl FnOnce(&mut LoopParams)) -> *mut Contact<f64> {
     let mut loop_params = MaybeUninit::<LoopParams>::uninit();
     let mut params = MaybeUninit::<ContactParams>::uninit();
     let mut contact = ptr::null_mut();
@@ -20,6 +25,7 @@ fn wall() -> *mut Contact<f64> {
         palpate_contact_params_init(params.as_mut_ptr(), size_of::<ContactParams>());
         let (mut loop_params, mut params) = (loop_params.assume_init(), params.assume_init());
         loop_params.period = 0.001;
+        set(&mut loop_params);
         params.method = c"basic".as_ptr();
         params.stiffness = 1000.0;
         let status = palpate_contact_new(&params, &loop_params, &mut contact);
@@ -77,7 +83,8 @@ fn a_contact_is_recorded_as_it_was() {
             };
             let force = palpate_contact_step(contact, &sample, &mut output);
             let sent = share * force;
-            let status = palpate_recorder_contact_tick(recorder, contact, &sample, &output, sent);
+            let status =
+                palpate_recorder_contact_tick(recorder, contact, &sample, &output, sent, 0.0);
             assert_eq!(status, Status::Ok);
             forces.push((force, sent, output.penetration));
         }
@@ -114,6 +121,49 @@ fn a_contact_is_recorded_as_it_was() {
     }
     assert_eq!(forces[1], (-1.0, -1.0, 0.001));
     assert!(forces[4].1 < 0.0 && forces[4].1 == 0.5 * forces[4].0);
+}
+
+#[test]
+fn an_interval_beyond_the_acceleration_of_the_guard_is_reported_and_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("contact.mcap");
+    let contact = wall_in(|loop_params| {
+        loop_params.guard = GuardKind::Report as u32;
+        loop_params.guard_speed = 1.0;
+        loop_params.guard_acceleration = 80.0;
+        loop_params.guard_mass = 0.2;
+    });
+    let mut recorder = ptr::null_mut();
+    let mut limited = Vec::new();
+    // 0.2 mm more within a millisecond is 200 m/s^2.
+    let positions = [-1e-3, -1e-3, -0.8e-3, -0.6e-3];
+    // SAFETY: contact and recorder live until they are freed; each struct states its size.
+    unsafe {
+        let status =
+            palpate_recorder_of_contact(contact, in_c(&path).as_ptr(), ptr::null(), &mut recorder);
+        assert_eq!(status, Status::Ok);
+        for position in positions {
+            let sample = sample(position, None);
+            let mut output = Output {
+                struct_size: size_of::<Output<f64>>(),
+                ..std::mem::zeroed()
+            };
+            let force = palpate_contact_step(contact, &sample, &mut output);
+            let status =
+                palpate_recorder_contact_tick(recorder, contact, &sample, &output, force, 0.0);
+            assert_eq!((status, force), (Status::Ok, 0.0));
+            limited.push(output.limited);
+        }
+        let status = palpate_recorder_close(recorder, ptr::null_mut());
+        assert_eq!(status, Status::Ok);
+        palpate_contact_free(contact);
+    }
+    assert_eq!(limited, [0, 0, Limit::BeyondGuard as u32, 0]);
+    let recorded = rows(&path).1;
+    let beyond = recorded
+        .iter()
+        .map(|row| row.tick.flags.has(Flags::BEYOND_GUARD));
+    assert!(beyond.eq([false, false, true, false]));
 }
 
 #[test]
@@ -229,7 +279,7 @@ fn ticks_that_find_no_room_are_counted_and_missing_by_their_number() {
                 ..std::mem::zeroed()
             };
             let force = palpate_contact_step(contact, &sample, &mut output);
-            palpate_recorder_contact_tick(recorder, contact, &sample, &output, force);
+            palpate_recorder_contact_tick(recorder, contact, &sample, &output, force, 0.0);
             made += 1;
         }
         assert_eq!(palpate_recorder_close(recorder, &mut recorded), Status::Ok);

@@ -10,6 +10,7 @@ pub fn names(limited: Limited, bounded: Bounded) -> Vec<&'static str> {
         (limited.torque, "torque"),
         (limited.offset, "offset"),
         (limited.guard, "guard"),
+        (limited.beyond_guard, "beyond-guard"),
         (bounded.soft_start, "soft-start"),
         (bounded.stopped, "safety-stop"),
     ];

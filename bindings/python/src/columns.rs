@@ -69,7 +69,7 @@ const FAULTS: [Fault; 6] = [
 ];
 
 /// Limits, starting at the lowest bit of the code.
-const LIMITS: [&str; 4] = ["pull", "force", "slew", "guard"];
+const LIMITS: [&str; 5] = ["pull", "force", "slew", "guard", "beyond-guard"];
 
 /// Returns which limits acted.
 fn acted(limited: Limited) -> [bool; LIMITS.len()] {
@@ -78,9 +78,9 @@ fn acted(limited: Limited) -> [bool; LIMITS.len()] {
         force,
         slew,
         guard,
-        beyond_guard: _,
+        beyond_guard,
     } = limited;
-    [pull, force, slew, guard]
+    [pull, force, slew, guard, beyond_guard]
 }
 
 /// Returns the names of the limits that acted.

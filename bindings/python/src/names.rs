@@ -41,6 +41,7 @@ fn argument_of(parameter: Parameter) -> Option<&'static str> {
         Parameter::LagDeviation => "lag_deviation",
         Parameter::Gain => "gain",
         Parameter::GainDeviation => "gain_deviation",
+        Parameter::HoldOrder => "hold",
         Parameter::Setting(setting) => setting.name(),
         // No argument sets these.
         Parameter::DerivedDamping
@@ -50,7 +51,6 @@ fn argument_of(parameter: Parameter) -> Option<&'static str> {
         | Parameter::Resonance
         | Parameter::ResonanceDampingRatio
         | Parameter::FlexibleMassFraction
-        | Parameter::HoldOrder
         | Parameter::Kappa
         | Parameter::ObjectKappa
         | Parameter::Own { .. } => return None,

@@ -37,6 +37,8 @@ struct Answer {
     output: Output<f64>,
     /// Force to command, after the soft start `[N]`.
     force_on_device: f64,
+    /// Its slope `[N/s]`.
+    slope_on_device: f64,
     softened: bool,
     /// Whether generated energy has caused a safety stop.
     stopped: bool,
@@ -87,7 +89,7 @@ impl Renderer {
             position: [coordinate, 0.0, 0.0],
             coordinate,
             wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
-            slope: [0.0; 3],
+            slope: [output.slope_on_device, 0.0, 0.0],
             created_energy: self.state.ledger().created(),
             refused: !is_used,
             stalled: false,
@@ -97,20 +99,26 @@ impl Renderer {
         let [force_on_device, ..] = verdict.wrench.force;
         // Adding 0.0 normalises -0.0, which the soft start produces.
         let force_on_device = force_on_device + 0.0;
-        self.renderer.report_sent(&mut self.state, -force_on_device);
+        let slope_on_device = verdict.slope[0] + 0.0;
+        self.renderer
+            .report_sent_line(&mut self.state, -force_on_device, -slope_on_device);
         self.last = Some(Answer {
             output,
             force_on_device,
+            slope_on_device,
             softened: verdict.bounded.soft_start,
             stopped: verdict.bounded.stopped,
         });
         force_on_device
     }
 
-    /// Reports the force that was actually sent to the device for the last sample `[N]`.
-    fn report_sent(&mut self, force_on_device: f64) -> PyResult<()> {
+    /// Reports the force `[N]` and the slope `[N/s]` that were actually sent to the device for the last sample.
+    #[pyo3(signature = (force_on_device, slope_on_device=0.0))]
+    fn report_sent(&mut self, force_on_device: f64, slope_on_device: f64) -> PyResult<()> {
         let force = finite("force_on_device", force_on_device, " N")?;
-        self.renderer.report_sent(&mut self.state, -force);
+        let slope = finite("slope_on_device", slope_on_device, " N/s")?;
+        self.renderer
+            .report_sent_line(&mut self.state, -force, -slope);
         Ok(())
     }
 
@@ -140,6 +148,7 @@ impl Renderer {
         let Some(Answer {
             output,
             force_on_device,
+            slope_on_device,
             softened,
             stopped,
         }) = &self.last
@@ -154,6 +163,7 @@ impl Renderer {
         let values = (
             *force_on_device,
             -*force_on_device + 0.0,
+            *slope_on_device,
             output.object_position,
             output.object_velocity,
             output.penetration,

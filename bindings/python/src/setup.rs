@@ -40,6 +40,7 @@ pub struct Arguments {
     lag_deviation: f64,
     gain: f64,
     gain_deviation: f64,
+    hold: String,
     device_mass: Option<f64>,
     encoder_quantum: f64,
 }
@@ -99,13 +100,15 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
             lag_deviation: given.lag_deviation,
             gain_deviation: given.gain_deviation,
             transmission: None,
-            hold: Hold::Constant,
+            hold: hold_named(&given.hold)?,
         },
         device_mass: given.device_mass,
         encoder_quantum: given.encoder_quantum,
     };
-    // Check contact and loop first: their faults do not depend on the method.
-    Renderer::new(setup.contact, setup.known_loop(), BasicParams)
+    // Check contact and loop first: their faults do not depend on the method. Basic plans constants for any hold.
+    let mut loop_params = setup.known_loop();
+    loop_params.actuation.hold = Hold::Constant;
+    Renderer::new(setup.contact, loop_params, BasicParams)
         .and_then(|renderer| renderer.start(setup.object))
         .map_err(|error| wrong_argument(&error))?;
     Ok(setup)
@@ -162,6 +165,11 @@ pub fn check_fact(parameter: Parameter, value: Option<f64>) -> PyResult<()> {
 /// Returns the side of a contact by its name.
 pub fn side_named(name: &str) -> PyResult<Side> {
     Side::named(name).ok_or_else(|| not_a_word("side", name, &Side::ALL.map(Side::name)))
+}
+
+/// Returns what an actuator holds by its name.
+fn hold_named(name: &str) -> PyResult<Hold> {
+    Hold::named(name).ok_or_else(|| not_a_word("hold", name, &Hold::ALL.map(Hold::name)))
 }
 
 /// Returns the mode of a guard by its name.

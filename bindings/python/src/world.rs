@@ -148,7 +148,7 @@ impl PyWorld {
         Ok(Self {
             force_limit: scene.render.force_limit,
             soft_start,
-            bounded: BoundedWorld::new(renderer, limits).map_err(refused)?,
+            bounded: BoundedWorld::of_constants(renderer, limits).map_err(refused)?,
             name: name.unwrap_or_else(|| file.scene.title.clone()),
             is_file,
             file,

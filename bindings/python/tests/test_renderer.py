@@ -352,3 +352,42 @@ def test_created_energy_stops_the_forces(kind: str) -> None:
     assert "safety-stop" in made.output.limited
     made.reset()
     assert step(0.002) == 2.0 and "safety-stop" not in made.output.limited
+
+
+def test_a_line_hold_gives_a_mean_and_a_slope() -> None:
+    line = palpate.Renderer(**{**CONTACT, "mass": math.inf}, hold="line", soft_start=0)
+    # A free device of 0.25 kg flies into a wall of 400 N/m, under the line that it holds.
+    position, speed, period, slopes = -0.00095, 0.1, 1e-3, []
+    for _ in range(40):
+        force = line.step(position)
+        assert line.output is not None and line.output.force_on_device == force
+        slope = line.output.slope_on_device
+        start = force - 0.5 * slope * period
+        position += speed * period + (0.5 * start + slope * period / 6) * period**2 / 0.25
+        speed += force * period / 0.25
+        if start < -0.2 and position > 0.0005:
+            # The line ends at the force of the spring; a constant would be K v T/2 = 0.02 N off.
+            assert force + 0.5 * slope * period == pytest.approx(-400 * position, abs=0.001)
+            slopes.append(abs(slope))
+    assert max(slopes) > 30
+    line.report_sent(-0.5, -10.0)
+    with pytest.raises(ValueError, match="slope_on_device"):
+        line.report_sent(-0.5, math.nan)
+    with pytest.raises(ValueError, match='hold is "lines", but must be "constant" or "line"'):
+        palpate.Renderer(**CONTACT, hold="lines")
+    with pytest.raises(ValueError, match="only coupled plans a line"):
+        palpate.Renderer(**CONTACT, hold="line", method="hfcr")
+    constant = palpate.Renderer(**CONTACT, method="basic")
+    constant.step(0.001)
+    assert constant.output is not None and constant.output.slope_on_device == 0.0
+
+
+def test_a_hand_beyond_the_acceleration_of_the_guard_is_shown() -> None:
+    renderer = palpate.Renderer(**CONTACT, object_position=1.0, guard="report", guard_acceleration=80.0)
+    seen = []
+    # 0.2 mm more within a millisecond is 200 m/s^2.
+    for position in (-1e-3, -1e-3, -0.8e-3, -0.6e-3):
+        renderer.step(position)
+        assert renderer.output is not None
+        seen.append(renderer.output.limited)
+    assert seen == [(), (), ("beyond-guard",), ()]

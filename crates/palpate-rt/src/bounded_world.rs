@@ -99,14 +99,24 @@ impl WorldSafety {
     /// Limits each wrench by the safety of its device, in two rounds as [`ControlLoop`](crate::ControlLoop) does: a
     /// stop of one device removes the forces of all devices. Returns the active limits.
     pub fn bound(&mut self, answered: &Answered<'_>, wrenches: &mut [Wrench]) -> Bounded {
+        self.bound_lines(answered, wrenches, &mut [])
+    }
+
+    /// Limits lines: wrenches and the `slopes` of their forces `[N/s]`, one for each wrench, or none for constants.
+    pub fn bound_lines(
+        &mut self,
+        answered: &Answered<'_>,
+        wrenches: &mut [Wrench],
+        slopes: &mut [Vector],
+    ) -> Bounded {
         let was_off = self.safety_stop().is_some();
         self.created
             .close(answered.created_energy, answered.refused, was_off);
         let comes_in = self.devices.iter().any(Safety::is_not_all_there);
         let mut created_energy = self.created.counted();
-        let tools = wrenches.iter().zip(answered.positions);
+        let tools = wrenches.iter().zip(answered.positions).enumerate();
         let devices = self.devices.iter_mut().zip(&mut self.looked);
-        for ((safety, looked), (wrench, position)) in devices.zip(tools) {
+        for ((safety, looked), (tool, (wrench, position))) in devices.zip(tools) {
             let rendered = Rendered {
                 elapsed: answered.elapsed,
                 // Ignore a position that the renderer rejected.
@@ -117,7 +127,7 @@ impl WorldSafety {
                 },
                 coordinate: 0.0,
                 wrench: *wrench,
-                slope: [0.0; 3],
+                slope: slopes.get(tool).copied().unwrap_or_default(),
                 created_energy,
                 refused: answered.refused,
                 stalled: false,
@@ -129,7 +139,7 @@ impl WorldSafety {
         let is_off = self.safety_stop().is_some();
         let mut bounded = Bounded::default();
         let devices = self.devices.iter_mut().zip(&mut self.looked);
-        for ((safety, looked), wrench) in devices.zip(wrenches) {
+        for (tool, ((safety, looked), wrench)) in devices.zip(wrenches).enumerate() {
             let Some((rendered, looked)) = looked.take() else {
                 continue;
             };
@@ -140,6 +150,9 @@ impl WorldSafety {
             bounded.stopped |= verdict.bounded.stopped;
             // Adding 0.0 normalises -0.0, which the soft start produces.
             *wrench = verdict.wrench.each(|vector| vector.map(|x| x + 0.0));
+            if let Some(slope) = slopes.get_mut(tool) {
+                *slope = verdict.slope.map(|x| x + 0.0);
+            }
         }
         bounded
     }
@@ -153,6 +166,8 @@ pub struct BoundedWorld {
     safety: WorldSafety,
     /// Wrench to hold, for each device.
     wrenches: Vec<Wrench>,
+    /// Slope of its force `[N/s]`.
+    slopes: Vec<Vector>,
     /// Fading difference to the force before a change.
     fade: Fade,
     /// The world before the last change, which predicts the force without the change. It is kept until the next
@@ -168,6 +183,9 @@ pub struct BoundedWorld {
 pub struct Held<'a> {
     /// Wrench on the hand that each device holds until the next sample, always finite.
     pub wrenches: &'a [Wrench],
+    /// Slope of each force `[N/s]`: with a line [`Hold`](palpate_core::Hold) the force is `force + slope (t - T/2)` for t
+    /// from 0 to the period T, then its last value. Otherwise 0.
+    pub slopes: &'a [Vector],
     /// Active limits of the renderer.
     pub limited: Limited,
     /// Active limits of the safety.
@@ -184,19 +202,13 @@ impl BoundedWorld {
     /// # Errors
     /// The name and the allowed range of the first limit outside its range.
     pub fn new(renderer: WorldRenderer, limits: SafetyParams) -> Result<Self, SafetyError> {
-        let hold = renderer.loop_params().actuation.hold;
-        check_value(
-            "order of the hold",
-            if hold.is_constant() { 0.0 } else { 1.0 },
-            hold.is_constant(),
-            "0, a constant: a bounded world returns forces without slopes; set loop.hold = \"constant\"",
-        )?;
         let state = renderer.start();
         let tools = state.tools().len();
         Ok(Self {
             safety: WorldSafety::new(tools, limits, renderer.loop_params().period)?
                 .rendering(&renderer.loop_params().actuation),
             wrenches: vec![Wrench::NONE; tools],
+            slopes: vec![[0.0; 3]; tools],
             fade: Fade::none(tools),
             before: None,
             is_compared: false,
@@ -204,6 +216,24 @@ impl BoundedWorld {
             state,
             renderer,
         })
+    }
+
+    /// Creates a world as [`new`](Self::new) for a caller that commands forces without slopes.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new); a line hold.
+    pub fn of_constants(
+        renderer: WorldRenderer,
+        limits: SafetyParams,
+    ) -> Result<Self, SafetyError> {
+        let hold = renderer.loop_params().actuation.hold;
+        check_value(
+            "order of the hold",
+            if hold.is_constant() { 0.0 } else { 1.0 },
+            hold.is_constant(),
+            "0, a constant: this interface returns forces without slopes; set loop.hold = \"constant\"",
+        )?;
+        Self::new(renderer, limits)
     }
 
     /// Performs one tick: takes a sample of all tools and returns the wrench that each device must hold. It does not
@@ -222,6 +252,11 @@ impl BoundedWorld {
             let before = self.asked_before.get(device).filter(|_| is_compared);
             before.copied()
         };
+        // The forces of the world before a change are held without their slopes.
+        let is_settling = self.fade.is_settling();
+        for (held, &slope) in self.slopes.iter_mut().zip(output.slopes) {
+            *held = if is_settling { [0.0; 3] } else { slope };
+        }
         let wrenches = &mut self.wrenches;
         if self.fade.answer(asked, before, elapsed, wrenches) {
             let within = self.renderer.keep_within(&self.state, wrenches, |wrench| {
@@ -235,14 +270,16 @@ impl BoundedWorld {
             refused: fault.is_some(),
             created_energy: self.state.created_at_ports(),
         };
-        let bounded = self.safety.bound(&answered, &mut self.wrenches);
-        for (tool, wrench) in self.wrenches.iter().enumerate() {
+        let bounded = (self.safety).bound_lines(&answered, &mut self.wrenches, &mut self.slopes);
+        let lines = self.wrenches.iter().zip(&self.slopes);
+        for (tool, (wrench, &slope)) in lines.enumerate() {
             let (renderer, state) = (&self.renderer, &mut self.state);
-            renderer.report_sent(state, tool, wrench.force);
+            renderer.report_sent_line(state, tool, wrench.force, slope);
             renderer.report_sent_torque(state, tool, wrench.torque);
         }
         Held {
             wrenches: &self.wrenches,
+            slopes: &self.slopes,
             limited,
             bounded,
             effort,
@@ -270,6 +307,7 @@ impl BoundedWorld {
         self.state = self.renderer.start();
         self.safety.restart();
         self.wrenches.fill(Wrench::NONE);
+        self.slopes.fill([0.0; 3]);
         self.fade.end();
     }
 

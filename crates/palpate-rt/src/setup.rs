@@ -45,12 +45,6 @@ pub enum SetupError {
          simulated, or loop.hold = \"constant\""
     )]
     HoldsConstant,
-    /// Lines in a world.
-    #[error(
-        "the world has loop.hold = \"line\", but devices of a world hold constants; simulate it, or set loop.hold = \
-         \"constant\""
-    )]
-    WorldHoldsConstants,
     /// A period outside the range of the clock `[s]`.
     #[error("the period is {0} s; allowed: a nanosecond to 10 s")]
     Period(f64),

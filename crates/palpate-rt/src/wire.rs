@@ -22,7 +22,8 @@ pub fn answered(output: &Output<f64>, ledger: &Ledger<f64>) -> ContactTick {
             .with(Flags::LIMITED_PULL, limited.pull)
             .with(Flags::LIMITED_FORCE, limited.force)
             .with(Flags::LIMITED_SLEW, limited.slew)
-            .with(Flags::LIMITED_GUARD, limited.guard),
+            .with(Flags::LIMITED_GUARD, limited.guard)
+            .with(Flags::BEYOND_GUARD, limited.beyond_guard),
         ..recorded(ContactTick::UNKNOWN, ledger)
     }
 }

@@ -33,6 +33,13 @@ namespace Palpate
         Internal = 101,
     }
 
+    /// <summary>palpate_hold: what the actuator holds for each command.</summary>
+    public enum Hold : uint
+    {
+        Constant = 0,
+        Line = 1,
+    }
+
     /// <summary>palpate_loop_params. <see cref="Default"/> fills it.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct LoopParams
@@ -60,7 +67,7 @@ namespace Palpate
         public double GuardMass;
         public double GuardRecovery;
         public uint Guard;
-        internal uint Reserved;
+        public Hold Hold;
 
         /// <summary>Returns the default parameters with a period [s].</summary>
         public static LoopParams Default(double period)
@@ -167,11 +174,13 @@ namespace Palpate
         internal UIntPtr StructSize;
         public double ForceOnDevice;
         public double ForceOnObject;
+        /// <summary>[N/s]; 0 unless the loop has <see cref="Hold.Line"/></summary>
+        public double SlopeOnDevice;
         public double ObjectPosition;
         public double ObjectVelocity;
         public double Penetration;
         public double TransitionAfter;
-        public double PlacementShift;
+        public double ProxyShift;
         public Phase Phase;
         public Fault Fault;
         public uint Limited;
@@ -194,6 +203,8 @@ namespace Palpate
         [DllImport(Library)] internal static extern uint palpate_contact_change(
             IntPtr handle, ref ContactParams contact, ref LoopParams loop);
         [DllImport(Library)] internal static extern uint palpate_contact_report_sent(IntPtr handle, double force);
+        [DllImport(Library)] internal static extern uint palpate_contact_report_sent_line(
+            IntPtr handle, double force, double slope);
         [DllImport(Library)] internal static extern double palpate_contact_step(
             IntPtr handle, ref Sample sample, ref Output output);
         [DllImport(Library)] internal static extern void palpate_contact_free(IntPtr handle);
@@ -236,6 +247,13 @@ namespace Palpate
         public void ReportSent(double forceOnDevice)
         {
             Native.palpate_contact_report_sent(handle, forceOnDevice);
+        }
+
+        /// <summary>Reports the line that was actually sent to the device for the last tick: its mean [N] and its
+        /// slope [N/s].</summary>
+        public void ReportSentLine(double forceOnDevice, double slopeOnDevice)
+        {
+            Native.palpate_contact_report_sent_line(handle, forceOnDevice, slopeOnDevice);
         }
 
         /// <summary>Changes the rendering from the next tick on, without a step in the force. Call it in the thread

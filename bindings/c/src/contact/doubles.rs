@@ -80,8 +80,8 @@ pub unsafe extern "C" fn palpate_contact_place(
 /// Executes one tick: takes a sample and returns the force on the device [N], to be held until the next tick.
 ///
 /// It cannot fail: the force is finite for any input, and 0 if the sample is rejected or an argument is
-/// wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL; otherwise its `fault`
-/// is the reason for rejecting a sample. PALPATE_FAULT_ARGUMENT means that an argument is wrong: no tick was
+/// wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL, except with
+/// PALPATE_HOLD_LINE, whose force is the mean of a line; otherwise its `fault` is the reason for rejecting a sample. PALPATE_FAULT_ARGUMENT means that an argument is wrong: no tick was
 /// executed, and the contact is unchanged.
 ///
 /// # Safety
@@ -108,6 +108,21 @@ pub unsafe extern "C" fn palpate_contact_report_sent(
 ) -> Status {
     // SAFETY: guaranteed by the caller.
     unsafe { contact::report_sent(contact, force_on_device) }
+}
+
+/// Reports the line that was actually sent to the device for the last tick: its mean [N] and its slope [N/s]. With
+/// PALPATE_HOLD_LINE palpate_contact_report_sent reports a constant. A non-finite value is rejected.
+///
+/// # Safety
+/// `contact` is NULL or a contact.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_contact_report_sent_line(
+    contact: *mut Contact<f64>,
+    force_on_device: f64,
+    slope_on_device: f64,
+) -> Status {
+    // SAFETY: guaranteed by the caller.
+    unsafe { contact::report_sent_line(contact, force_on_device, slope_on_device) }
 }
 
 /// Reports the measured mean force on the device since the last sample [N]. A non-finite force is rejected.

@@ -98,6 +98,20 @@ pub unsafe extern "C" fn palpate_contact_f32_report_sent(
     unsafe { contact::report_sent(contact, force_on_device) }
 }
 
+/// As palpate_contact_report_sent_line, in float.
+///
+/// # Safety
+/// `contact` is NULL or a contact.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_contact_f32_report_sent_line(
+    contact: *mut Contact<f32>,
+    force_on_device: f32,
+    slope_on_device: f32,
+) -> Status {
+    // SAFETY: guaranteed by the caller.
+    unsafe { contact::report_sent_line(contact, force_on_device, slope_on_device) }
+}
+
 /// As palpate_contact_report_held, in float.
 ///
 /// # Safety

@@ -9,7 +9,7 @@ pub use floats::*;
 use core::ffi::{c_char, c_void};
 use core::ptr;
 
-use palpate_core::{ObjectState, Running, Sample as CoreSample};
+use palpate_core::{Hold, ObjectState, Running, Sample as CoreSample};
 
 use crate::contact_params::{ContactParams, rendering};
 use crate::edge::{caught, status};
@@ -111,6 +111,10 @@ unsafe fn step<S: Number>(
                 .and_then(|contact| Ok((contact, Sample::at(sample)?, Room::if_asked(output)?)))
         };
         let (contact, sample, room) = match given {
+            Ok((contact, _, None)) if holds_lines(contact) => {
+                // SAFETY: guaranteed by the caller.
+                return unsafe { refuse(&Refusal::Null("output, which has the slope,"), output) };
+            }
             Ok(given) => given,
             // SAFETY: guaranteed by the caller.
             Err(refusal) => return unsafe { refuse(&refusal, output) },
@@ -129,6 +133,11 @@ unsafe fn step<S: Number>(
     })
 }
 
+/// Whether the actuator of the contact holds lines.
+fn holds_lines<S: Number>(contact: &Contact<S>) -> bool {
+    contact.running.rendering().loop_params.actuation.hold == Hold::Line
+}
+
 /// Returns zero force and writes the fault if `output` has room for it.
 ///
 /// # Safety
@@ -141,16 +150,25 @@ unsafe fn refuse<S: Number>(refusal: &Refusal<'_>, output: *mut Output<S>) -> S 
     S::ZERO
 }
 
-/// Returns a reported force if it is finite.
-fn reported<S: Number>(force_on_device: S) -> Result<S, Refusal<'static>> {
-    if force_on_device.is_finite() {
-        return Ok(force_on_device);
+/// Returns a reported value if it is finite.
+fn reported<S: Number>(
+    name: &'static str,
+    given: S,
+    allowed: &'static str,
+) -> Result<S, Refusal<'static>> {
+    if given.is_finite() {
+        return Ok(given);
     }
     Err(Refusal::Number {
-        name: "force_on_device",
-        given: force_on_device.to_f64(),
-        allowed: "finite [N]",
+        name,
+        given: given.to_f64(),
+        allowed,
     })
+}
+
+/// Returns a reported force on the object if it is finite.
+fn on_object<S: Number>(force_on_device: S) -> Result<S, Refusal<'static>> {
+    reported("force_on_device", force_on_device, "finite [N]").map(|force| -force)
 }
 
 /// Implements `palpate_contact_report_sent`.
@@ -162,7 +180,27 @@ unsafe fn report_sent<S: Number>(contact: *mut Contact<S>, force_on_device: S) -
     status(|| {
         // SAFETY: guaranteed by the caller.
         let contact = unsafe { at(contact) }?;
-        contact.running.report_sent(-reported(force_on_device)?);
+        contact.running.report_sent(on_object(force_on_device)?);
+        Ok(())
+    })
+}
+
+/// Implements `palpate_contact_report_sent_line`.
+///
+/// # Safety
+/// The conditions of that function apply.
+#[inline]
+unsafe fn report_sent_line<S: Number>(
+    contact: *mut Contact<S>,
+    force_on_device: S,
+    slope_on_device: S,
+) -> Status {
+    status(|| {
+        // SAFETY: guaranteed by the caller.
+        let contact = unsafe { at(contact) }?;
+        let slope = reported("slope_on_device", slope_on_device, "finite [N/s]")?;
+        let force = on_object(force_on_device)?;
+        contact.running.report_sent_line(force, -slope);
         Ok(())
     })
 }
@@ -176,7 +214,7 @@ unsafe fn report_held<S: Number>(contact: *mut Contact<S>, force_on_device: S) -
     status(|| {
         // SAFETY: guaranteed by the caller.
         let contact = unsafe { at(contact) }?;
-        contact.running.report_held(-reported(force_on_device)?);
+        contact.running.report_held(on_object(force_on_device)?);
         Ok(())
     })
 }

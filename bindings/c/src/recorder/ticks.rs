@@ -29,6 +29,7 @@ pub unsafe extern "C" fn palpate_recorder_contact_tick(
     sample: *const Sample<f64>,
     output: *const Output<f64>,
     sent_force: f64,
+    sent_slope: f64,
 ) -> Status {
     status(|| {
         // SAFETY: guaranteed by the caller.
@@ -66,7 +67,7 @@ pub unsafe extern "C" fn palpate_recorder_contact_tick(
             commanded_force: [output.force_on_device, 0.0, 0.0],
             commanded_torque: [0.0; 3],
             delivered_force: [sent_force, 0.0, 0.0],
-            delivered_slope: [0.0; 3],
+            delivered_slope: [sent_slope, 0.0, 0.0],
             delivered_torque: [0.0; 3],
             generation: 0,
             created_energy: ledger.created(),
@@ -186,6 +187,7 @@ struct Answer {
     struct_size: usize,
     force_on_device: f64,
     force_on_object: f64,
+    slope_on_device: f64,
     object_position: f64,
     object_velocity: f64,
     penetration: f64,
@@ -220,7 +222,7 @@ impl Answer {
         CoreOutput {
             force_on_device: self.force_on_device,
             force_on_object: self.force_on_object,
-            slope_on_device: 0.0,
+            slope_on_device: self.slope_on_device,
             object_position: self.object_position,
             object_velocity: self.object_velocity,
             penetration: self.penetration,
@@ -238,7 +240,7 @@ impl Answer {
                 force: is(Limit::Force),
                 slew: is(Limit::Slew),
                 guard: is(Limit::Guard),
-                beyond_guard: false,
+                beyond_guard: is(Limit::BeyondGuard),
             },
             fault: None,
         }
@@ -267,7 +269,12 @@ impl WorldAnswer {
         let is = |limits: u32| self.limited & limits != 0;
         Flags::default()
             .with(Flags::CONTACT, is_in_contact)
-            .with(Flags::LIMITED_FORCE, is(Limit::Force as u32))
+            .with(
+                Flags::LIMITED_FORCE,
+                is(Limit::Force as u32 | Limit::Torque as u32),
+            )
+            .with(Flags::LIMITED_GUARD, is(Limit::Guard as u32))
+            .with(Flags::BEYOND_GUARD, is(Limit::BeyondGuard as u32))
             .with(
                 Flags::SAFETY_LIMITED,
                 is(Limit::Slew as u32 | Limit::SoftStart as u32),

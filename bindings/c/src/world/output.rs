@@ -21,7 +21,7 @@ pub struct WorldOutput {
     pub fault: Fault,
     /// Index of the device with the faulty sample; PALPATE_NO_DEVICE if the fault does not belong to one device.
     pub fault_device: u32,
-    /// Limits that changed a wrench: bits of palpate_limit.
+    /// Active limits: bits of palpate_limit.
     pub limited: u32,
     /// Number of sub-steps, including replaced ones.
     pub sub_steps: u32,
@@ -60,13 +60,14 @@ impl TickOutput for WorldOutput {
     }
 }
 
-/// Returns the limits that changed a wrench, as bits of palpate_limit.
+/// Returns the active limits, as bits of palpate_limit.
 pub(crate) fn limits(limited: Limited, bounded: Bounded) -> u32 {
     let bit = |set: bool, limit: Limit| if set { limit as u32 } else { 0 };
     bit(limited.force || bounded.force, Limit::Force)
         | bit(limited.torque, Limit::Torque)
         | bit(limited.offset, Limit::Offset)
         | bit(limited.guard, Limit::Guard)
+        | bit(limited.beyond_guard, Limit::BeyondGuard)
         | bit(bounded.slew, Limit::Slew)
         | bit(bounded.soft_start, Limit::SoftStart)
         | bit(bounded.stopped, Limit::Stopped)

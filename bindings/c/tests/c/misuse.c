@@ -99,8 +99,12 @@ static void parameters(void) {
   params.unilateral = 2;
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_PARAMETER, "unilateral is 2, but must be 0 or 1");
   params = basic_params();
-  loop.reserved = 1;
-  REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_PARAMETER, "reserved is 1, but must be 0");
+  loop.hold = 2;
+  REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_PARAMETER,
+          "hold is 2, but must be PALPATE_HOLD_CONSTANT or PALPATE_HOLD_LINE");
+  loop.hold = PALPATE_HOLD_LINE;
+  REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_PARAMETER,
+          "order of the hold is 1, but must be 0, a constant: of the methods, only coupled plans a line");
 }
 
 static void structs(void) {

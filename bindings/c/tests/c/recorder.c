@@ -41,7 +41,7 @@ static palpate_status tick(palpate_recorder *recorder, palpate_contact *contact,
   palpate_sample sample = palpate_sample_at(position);
   palpate_output output = palpate_output_empty();
   double force = palpate_contact_step(contact, &sample, &output);
-  return palpate_recorder_contact_tick(recorder, contact, &sample, &output, force);
+  return palpate_recorder_contact_tick(recorder, contact, &sample, &output, force, 0.0);
 }
 
 static void making(palpate_contact *contact) {
@@ -87,27 +87,27 @@ static void ticks(palpate_contact *contact, palpate_world *world) {
           "the recorder is for a contact, but this is a tick of a world");
   {
     palpate_contact *other = a_wall();
-    REFUSED(palpate_recorder_contact_tick(recorder, other, &sample, &output, 0.0), PALPATE_STATUS_RECORDING,
+    REFUSED(palpate_recorder_contact_tick(recorder, other, &sample, &output, 0.0, 0.0), PALPATE_STATUS_RECORDING,
             "the recorder is for a contact, but this is a tick of another one");
     palpate_contact_free(other);
   }
-  EXPECT(palpate_recorder_contact_tick(NULL, contact, &sample, &output, 0.0) == PALPATE_STATUS_NULL);
-  EXPECT(palpate_recorder_contact_tick(recorder, NULL, &sample, &output, 0.0) == PALPATE_STATUS_NULL);
-  EXPECT(palpate_recorder_contact_tick(recorder, contact, NULL, &output, 0.0) == PALPATE_STATUS_NULL);
-  EXPECT(palpate_recorder_contact_tick(recorder, contact, &sample, NULL, 0.0) == PALPATE_STATUS_NULL);
+  EXPECT(palpate_recorder_contact_tick(NULL, contact, &sample, &output, 0.0, 0.0) == PALPATE_STATUS_NULL);
+  EXPECT(palpate_recorder_contact_tick(recorder, NULL, &sample, &output, 0.0, 0.0) == PALPATE_STATUS_NULL);
+  EXPECT(palpate_recorder_contact_tick(recorder, contact, NULL, &output, 0.0, 0.0) == PALPATE_STATUS_NULL);
+  EXPECT(palpate_recorder_contact_tick(recorder, contact, &sample, NULL, 0.0, 0.0) == PALPATE_STATUS_NULL);
   output.struct_size = 8;
-  EXPECT(palpate_recorder_contact_tick(recorder, contact, &sample, &output, 0.0) == PALPATE_STATUS_STRUCT_SIZE);
+  EXPECT(palpate_recorder_contact_tick(recorder, contact, &sample, &output, 0.0, 0.0) == PALPATE_STATUS_STRUCT_SIZE);
   /* A rejected sample is a tick of the recording, and so is an output that no tick has filled. */
   EXPECT(tick(recorder, contact, NAN) == PALPATE_STATUS_OK);
   memset(&output, 0xff, sizeof output);
   output.struct_size = sizeof output;
-  EXPECT(palpate_recorder_contact_tick(recorder, contact, &sample, &output, 0.0) == PALPATE_STATUS_OK);
+  EXPECT(palpate_recorder_contact_tick(recorder, contact, &sample, &output, 0.0, 0.0) == PALPATE_STATUS_OK);
   EXPECT(palpate_recorder_lost(recorder) == 0);
   EXPECT(palpate_recorder_close(recorder, &recorded) == PALPATE_STATUS_OK);
   EXPECT(recorded.ticks_made == 3 && recorded.ticks == 3 && recorded.lost == 0);
 
   EXPECT(palpate_recorder_of_world(world, in_folder("world.mcap"), NULL, &recorder) == PALPATE_STATUS_OK);
-  REFUSED(palpate_recorder_contact_tick(recorder, contact, &sample, &output, 0.0),
+  REFUSED(palpate_recorder_contact_tick(recorder, contact, &sample, &output, 0.0, 0.0),
           PALPATE_STATUS_RECORDING, "the recorder is for a world, but this is a tick of a contact");
   of_world.pose_count = 2;
   REFUSED(palpate_recorder_world_tick(recorder, world, &of_world, &answer, &wrench), PALPATE_STATUS_COUNT, "pose_count is 2");

@@ -99,6 +99,7 @@ static void run(const char *method, double object_position, const double *positi
     put(force);
     put(output.force_on_device);
     put(output.force_on_object);
+    put(output.slope_on_device);
     put(output.object_position);
     put(output.object_velocity);
     put(output.penetration);

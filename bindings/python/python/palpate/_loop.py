@@ -523,7 +523,7 @@ def _scene(device: Device, renderer: Renderer) -> str | None:
     tables: dict[str, Any] = {
         "format": 2,
         "title": "a loop of Python",
-        "loop": {"period_s": period},
+        "loop": {"period_s": period, "hold": None if given["hold"] == "constant" else given["hold"]},
         "device": [table],
         "body": [body],
         "contact": [{"between": ["device", body["name"]], "stiffness_n_per_m": given["stiffness"]}],

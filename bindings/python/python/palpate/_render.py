@@ -145,6 +145,8 @@ def render(
     question_period(period)
     for other in ("t", "x", "method", "unit", "time_unit", "skip_missing", "title", "settings"):
         del given[other]
+    # A recorded motion is rendered with constants.
+    given["hold"] = "constant"
     # Copy: the figure is drawn later, and the caller may change its arrays before that.
     times, positions, left_out = _of_one_dimension("t", t), _of_one_dimension("x", x), 0
     if times.shape == positions.shape and (missing := np.isnan(times) | np.isnan(positions)).any():

@@ -48,6 +48,8 @@ class Renderer(Fixed, _palpate.Renderer):
         lag_deviation: Standard deviation of the lag [s].
         gain: Ratio of delivered to commanded force.
         gain_deviation: Standard deviation of the gain.
+        hold: What the actuator holds over a period: `"constant"`, or `"line"`, for which a step returns the mean and
+            `output.slope_on_device` is the slope. Lines require `coupled`, and exclude a lag, a slew limit and a guard.
         encoder_quantum: Quantum of the device's position sensor [m]; 0: unknown or none.
         settings: Settings of the method, such as `damping`: `palpate.METHODS[method].settings` lists them.
 
@@ -89,6 +91,7 @@ class Renderer(Fixed, _palpate.Renderer):
         lag_deviation: float = 0.0,
         gain: float = 1.0,
         gain_deviation: float = 0.0,
+        hold: str = "constant",
         encoder_quantum: float = 0.0,
         **settings: float | str | bool,
     ) -> Renderer:

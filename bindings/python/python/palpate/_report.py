@@ -17,7 +17,8 @@ _NUMBERS, _CODES, (_PHASES, _LIMITS, _FAULTS) = _palpate.columns()
 PHASES: tuple[str, ...] = tuple(_PHASES)
 """Meaning of the field `phase` of a tick: `PHASES[code]`."""
 LIMITS: tuple[str, ...] = tuple(_LIMITS)
-"""Meaning of the field `limited` of a tick: `LIMITS[bit]` changed the force if the bit is set."""
+"""Meaning of the field `limited` of a tick: `LIMITS[bit]` changed the force if the bit is set;
+`beyond-guard` changes none: the device accelerated beyond the guard's bound, and the guard used its bound by speed."""
 FAULTS: tuple[str, ...] = tuple(_FAULTS)
 """Meaning of the field `fault` of a tick: `FAULTS[code]`; the first means no fault."""
 

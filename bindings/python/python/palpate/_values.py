@@ -12,6 +12,9 @@ class Output(NamedTuple):
     """Force on the device [N]: the motor command to hold until the next sample."""
     force_on_object: float
     """The opposite force, on the object [N]."""
+    slope_on_device: float
+    """Slope of the force on the device [N/s]: with `hold="line"` the force to command is
+    `force_on_device + slope_on_device (t - T/2)` for t from 0 to the period T, then its last value. Otherwise 0."""
     object_position: float
     """Position of the object at this sample [m]."""
     object_velocity: float
@@ -25,8 +28,8 @@ class Output(NamedTuple):
     proxy_shift: float
     """Shift of the object by `coupled` over the last interval [m]; 0 for other methods."""
     limited: tuple[str, ...]
-    """Limits that changed the force: those of `palpate.LIMITS`, `soft-start`, and `safety-stop`: the loop has
-    generated energy, and the force stays 0 until `reset()`."""
+    """Active limits: those of `palpate.LIMITS`, `soft-start`, and `safety-stop`: the loop has generated energy, and
+    the force stays 0 until `reset()`."""
     fault: str | None
     """Reason for rejecting the sample, one of `palpate.FAULTS`, and the force is 0; `None` for a valid sample."""
 

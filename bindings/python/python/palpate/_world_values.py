@@ -31,7 +31,7 @@ class WorldOutput(NamedTuple):
     """Force that each device has to exert on the hand until the next sample [N], a row for each. If a device has a
     torque, each row has the torque about the centre of mass [N m] after the force, 0 for a device without torque."""
     limited: tuple[str, ...]
-    """Active limits: `force`, `torque`, `offset` of a proxy, `guard`, `soft-start`, and `safety-stop`: the loop has
+    """Active limits: `force`, `torque`, `offset` of a proxy, `guard`, `beyond-guard`, `soft-start`, and `safety-stop`: the loop has
     generated energy, and all forces stay 0 until `reset()`."""
     effort: Effort
     """Cost of the tick."""

@@ -167,6 +167,13 @@ impl Columns {
         columns.any(|column| matches!(column, AnswerColumn::Slope))
     }
 
+    /// Returns whether a world has them: the force, and perhaps its slope.
+    #[must_use]
+    pub fn are_of_world(&self) -> bool {
+        let names: Vec<_> = self.0.iter().map(|column| column.short_name()).collect();
+        matches!(names[..], ["force"] | ["force", "slope"])
+    }
+
     /// Replaces the contents of `line` by an answer. An unknown number is `nan`.
     pub fn write(&self, row: &Answer, line: &mut String) {
         line.clear();

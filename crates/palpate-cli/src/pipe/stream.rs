@@ -15,7 +15,7 @@ use crate::pipe::line::{Format, Line, Refusal};
 use crate::pipe::messages::Messages;
 use crate::pipe::mistake::Mistakes;
 use crate::pipe::serving::{Answering, Stopped};
-use crate::pipe::summary::{PipeSummary, stop_in_words};
+use crate::pipe::summary::{BEYOND_GUARD, PipeSummary, stop_in_words};
 
 /// Number of rejected lines that are reported one by one; beyond it each doubling is reported. A dead sensor at 1 kHz
 /// would flood standard error.
@@ -179,10 +179,15 @@ impl Stream {
         })
     }
 
-    /// Counts a sample with its active limits, and reports a safety stop and the first limited force.
+    /// Counts a sample with its active limits. Reports a safety stop, the first limited force and the first interval
+    /// beyond the guard's acceleration.
     fn report_limits(&mut self, number: u64, output: &Output<f64>, verdict: &Verdict) {
         self.summary.samples += 1;
         self.summary.limited += u64::from(output.limited.any());
+        self.summary.beyond_guard += u64::from(output.limited.beyond_guard);
+        if output.limited.beyond_guard && self.summary.beyond_guard == 1 {
+            self.tell(format_args!("line {number}: {BEYOND_GUARD}"));
+        }
         self.summary.softened += u64::from(verdict.bounded.soft_start);
         if let Some(safety_stop) = verdict
             .stopped

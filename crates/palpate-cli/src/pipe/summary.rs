@@ -30,6 +30,10 @@ pub fn stop_in_words(limits: &SafetyParams, safety_stop: SafetyStop) -> String {
     )
 }
 
+/// Message of the first interval in which the hand exceeds the guard's acceleration.
+pub const BEYOND_GUARD: &str = "the device accelerated beyond the acceleration of the guard, so the bound by speed \
+                                applies; further intervals are only counted in the summary";
+
 /// Summary of a pipe of one contact.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -42,6 +46,8 @@ pub struct PipeSummary {
     pub refused: u64,
     /// Forces changed by a limit.
     pub limited: u64,
+    /// Intervals in which the device accelerated beyond the guard's acceleration.
+    pub beyond_guard: u64,
     /// Forces reduced by the soft start.
     pub softened: u64,
     /// Reason of the safety stop that has held the force at 0 since; none: no safety stop.
@@ -74,6 +80,7 @@ impl PipeSummary {
             samples: 0,
             refused: 0,
             limited: 0,
+            beyond_guard: 0,
             softened: 0,
             safety_stop: None,
             changes: 0,
@@ -131,6 +138,10 @@ impl fmt::Display for PipeSummary {
         )?;
         if let Some(reason) = self.safety_stop {
             write!(f, "; safety stop: {reason}")?;
+        }
+        if self.beyond_guard > 0 {
+            let intervals = counted(self.beyond_guard, "interval");
+            write!(f, "; {intervals} beyond the acceleration of the guard")?;
         }
         if self.changes > 0 {
             write!(f, "; {} made", counted(self.changes, "change"))?;

@@ -381,6 +381,28 @@ fn the_end_is_summed_up() {
 }
 
 #[test]
+fn an_interval_beyond_the_acceleration_of_the_guard_is_shown_and_counted() {
+    let guarded =
+        format!("{WALL} --guard report --guard-acceleration 80 --columns device_position,limited");
+    // 0.2 mm more within a millisecond is 200 m/s^2.
+    let input = "-0.001\n-0.001\n-0.0008\n-0.0006\n";
+    let answer = Folder::new().palpate_reading(input, &unlimited(&guarded));
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let lines: Vec<_> = answer.stdout.lines().take(4).collect();
+    let expected = ["-0.001,", "-0.001,", "-0.0008,beyond-guard", "-0.0006,"];
+    assert_eq!(lines, expected);
+    let told = answer.stderr.matches("the device accelerated beyond");
+    assert_eq!(told.count(), 1, "{answer:?}");
+    assert!(
+        answer.stderr.contains("0 forces limited;")
+            && answer
+                .stderr
+                .contains("; 1 interval beyond the acceleration of the guard"),
+        "{answer:?}"
+    );
+}
+
+#[test]
 fn delay_changes_ledger_but_not_forces() {
     let input = "0.001\n0.002\n0.003\n";
     let delayed = format!("{WALL} --method basic --delay-periods 1");

@@ -466,3 +466,54 @@ fn a_device_that_gives_no_torque_is_read_with_its_orientation_and_answered_with_
         "{without:?}"
     );
 }
+
+#[test]
+fn a_hand_beyond_the_acceleration_of_the_guard_is_counted() {
+    let pipe = |acceleration: &str| {
+        let guard = format!("--guard limit --guard-acceleration {acceleration}");
+        let arguments = format!("pipe ball.toml --soft-start 0 --json {guard}");
+        let answer = folder().palpate_reading(lines(&motion()), &arguments);
+        assert_eq!(answer.code, 0, "{answer:?}");
+        let said = answer.stderr.lines().find(|line| line.starts_with('{'));
+        let report: serde_json::Value = serde_json::from_str(said.unwrap()).unwrap();
+        let told = answer.stderr.matches("accelerated beyond").count();
+        (report["beyond_guard"].as_u64().unwrap(), told)
+    };
+    assert_eq!(pipe("1e6"), (0, 0));
+    let (count, told) = pipe("1e-3");
+    assert!(count > 20 && told == 1, "{count}, told {told} times");
+}
+
+#[test]
+fn lines_of_a_world_have_their_slopes_beside_the_forces() {
+    let folder = folder();
+    let line = folder.read("ball.toml").replacen("[loop]\n", "[loop]\nhold = \"line\"\n", 1);
+    folder.write("line.toml", &line);
+    let pipe = |arguments: &str| folder.palpate_reading(lines(&motion()), arguments);
+    let coupled = "pipe line.toml --method coupled --soft-start 0";
+    let answer = pipe(&format!("{coupled} --columns force,slope --header"));
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let mut printed = answer.stdout.lines();
+    let of_thumb = "thumb.fx_n,thumb.fy_n,thumb.fz_n,thumb.sx_n_per_s,thumb.sy_n_per_s,thumb.sz_n_per_s";
+    let header = printed.next().unwrap();
+    assert!(header.starts_with(of_thumb), "{header}");
+    let rows: Vec<Vec<f64>> = printed
+        .map(|line| line.split(',').map(|x| x.parse().unwrap()).collect())
+        .collect();
+    assert!(rows.iter().all(|row| row.len() == 12));
+    let steepest = rows.iter().map(|row| row[5].abs()).fold(0.0, f64::max);
+    assert!(steepest > 10.0, "{steepest} N/s");
+    assert_eq!(rows.last().unwrap(), &[0.0; 12]);
+    for (arguments, words) in [
+        ("pipe line.toml --method coupled", "print both"),
+        (
+            "pipe line.toml --method coupled --columns force,phase",
+            "allowed is force",
+        ),
+        ("pipe ball.toml --columns force,slope", "always 0"),
+    ] {
+        let answer = pipe(arguments);
+        assert_eq!(answer.code, 2, "{answer:?}");
+        assert!(answer.stderr.contains(words), "{answer:?}");
+    }
+}

@@ -74,6 +74,8 @@ impl Flags {
     pub const MISSED_DEADLINE: Self = Self(1 << 8);
     /// The device did not answer, or answered without a position.
     pub const DEVICE_FAULT: Self = Self(1 << 9);
+    /// A device accelerated beyond the bound of the passivity guard, which then used the bound by speed.
+    pub const BEYOND_GUARD: Self = Self(1 << 10);
 
     /// All flags.
     pub const ALL: Self = Self(u32::MAX);
@@ -85,7 +87,8 @@ impl Flags {
             | Self::LIMITED_FORCE.0
             | Self::LIMITED_SLEW.0
             | Self::LIMITED_GUARD.0
-            | Self::FAULT.0,
+            | Self::FAULT.0
+            | Self::BEYOND_GUARD.0,
     );
 
     /// Flags of a device in a loop with several devices.
@@ -93,7 +96,7 @@ impl Flags {
         Self(Self::SAFETY_LIMITED.0 | Self::SAFETY_STOPPED.0 | Self::DEVICE_FAULT.0);
 
     /// Named flags, by bit.
-    pub const NAMED: [(Self, &'static str); 10] = [
+    pub const NAMED: [(Self, &'static str); 11] = [
         (Self::CONTACT, "contact"),
         (Self::LIMITED_PULL, "limited-pull"),
         (Self::LIMITED_FORCE, "limited-force"),
@@ -104,6 +107,7 @@ impl Flags {
         (Self::SAFETY_STOPPED, "safety-stopped"),
         (Self::MISSED_DEADLINE, "missed-deadline"),
         (Self::DEVICE_FAULT, "device-fault"),
+        (Self::BEYOND_GUARD, "beyond-guard"),
     ];
 
     /// Adds `others` if `condition` holds.
@@ -122,12 +126,15 @@ impl Flags {
         self.0 & others.0 == others.0
     }
 
-    /// Returns the active limits of the renderer, such as `pull` and `force`.
+    /// Returns the active limits of the renderer, such as `pull` and `force`, and `beyond-guard`.
     pub fn limits(self) -> impl Iterator<Item = &'static str> {
         let set = Self::NAMED
             .into_iter()
             .filter(move |(flag, _)| self.has(*flag));
-        set.filter_map(|(_, name)| name.strip_prefix("limited-"))
+        set.filter_map(|(flag, name)| match flag {
+            Self::BEYOND_GUARD => Some(name),
+            _ => name.strip_prefix("limited-"),
+        })
     }
 
     /// Returns the names of the flags, separated by spaces; a bit without a name as `bit-` and its number.

@@ -86,6 +86,9 @@ pub enum WorldChangeError {
         "the frame of a device, and whether its tool rotates, cannot change while the loop runs"
     )]
     Device,
+    /// The actuators hold lines in one world and constants in the other.
+    #[error("the hold of the actuators cannot change while the loop runs")]
+    Hold,
     /// The world cannot continue from the previous one.
     #[error(transparent)]
     Succession(#[from] WorldErrors),
@@ -204,6 +207,9 @@ impl Worlds {
         };
         let (now, then) = (pairs(&self.last), pairs(world));
         same("the contact pairs", now.join(", "), then.join(", "))?;
+        if self.last.actuation().hold != world.actuation().hold {
+            return Err(WorldChangeError::Hold);
+        }
         if self.last.frames() != world.frames() || self.last.turns() != world.turns() {
             return Err(WorldChangeError::Device);
         }
@@ -297,6 +303,7 @@ impl Renders for ChangingWorld {
             self.fade.end();
         }
         let elapsed = sample.elapsed.unwrap_or_else(|| self.world.period());
+        let is_settling = self.fade.is_settling();
         let wanted = self.asked.iter().map(|asked| asked.wrench);
         let as_before = |device: usize| {
             let before = self.asked_before.get(device).filter(|_| is_compared);
@@ -310,8 +317,17 @@ impl Renders for ChangingWorld {
         {
             self.disable_output(before);
         }
-        for (asked, held) in asked.iter_mut().zip(&self.held) {
-            *asked = (*held).into();
+        let lines = self.asked.iter().zip(&self.asked_before).zip(&self.held);
+        for (asked, ((now, before), held)) in asked.iter_mut().zip(lines) {
+            let slope = match (is_settling, is_compared) {
+                (false, _) => now.slope,
+                (true, true) => before.slope,
+                (true, false) => [0.0; 3],
+            };
+            *asked = Line {
+                slope,
+                ..(*held).into()
+            };
         }
         answer
     }

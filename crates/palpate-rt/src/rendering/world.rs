@@ -51,6 +51,10 @@ pub struct RenderedWorld {
     orientations: Vec<[f64; 4]>,
     /// Whether the held force acts without delay: the model of the actuator has neither delay nor lag.
     acts_at_once: bool,
+    /// Whether the devices hold lines.
+    holds_lines: bool,
+    /// Whether each device has a line that its driver has not reported.
+    is_new: Vec<bool>,
     limited: Limited,
     created: CreatedEnergy,
     rows: WorldRows,
@@ -89,9 +93,6 @@ impl RenderedWorld {
                 given: frames.len(),
             });
         }
-        if renderer.loop_params().actuation.hold == Hold::Line {
-            return Err(SetupError::WorldHoldsConstants);
-        }
         let turns: Vec<_> = world.tools.iter().map(Turns::new).collect();
         let mut placed = turns.iter().zip(&frames);
         if placed.any(|(turns, frame)| *turns != Turns::No && !frame.is_aligned()) {
@@ -100,6 +101,8 @@ impl RenderedWorld {
         let actuation = renderer.loop_params().actuation;
         Ok(Self {
             acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
+            holds_lines: actuation.hold == Hold::Line,
+            is_new: vec![false; tools],
             method,
             names: world.tools.iter().map(|tool| tool.name.clone()).collect(),
             positions: vec![[0.0; 3]; tools],
@@ -154,16 +157,20 @@ impl RenderedWorld {
         self.limited = self.limited.and(limited);
     }
 
-    /// Reports the wrench sent to a device or held by it, in the axes of the device, to the renderer.
-    fn report(&mut self, device: usize, wrench: Wrench) {
+    /// Reports the line sent to a device or held by it, in the axes of the device, to the renderer.
+    fn report(&mut self, device: usize, line: Line) {
         let Some(frame) = self.frames.get(device) else {
             return;
         };
-        let force = frame.of_device(wrench.force);
-        self.renderer.report_sent(&mut self.state, device, force);
+        let (mean, slope) = (
+            frame.of_device(line.wrench.force),
+            frame.of_device(line.slope),
+        );
+        self.renderer
+            .report_sent_line(&mut self.state, device, mean, slope);
         // A device with six axes has those of the world.
         self.renderer
-            .report_sent_torque(&mut self.state, device, wrench.torque);
+            .report_sent_torque(&mut self.state, device, line.wrench.torque);
     }
 
     /// Returns the world at the last sample.
@@ -194,8 +201,9 @@ impl Renders for RenderedWorld {
         for (number, device) in sample.devices.iter().enumerate() {
             if let Some(held) = device.held
                 && self.acts_at_once
+                && !self.holds_lines
             {
-                self.report(number, held);
+                self.report(number, held.into());
             }
         }
         let placed = self.positions.iter_mut().zip(&mut self.orientations);
@@ -212,14 +220,19 @@ impl Renders for RenderedWorld {
                 ..Sample::at(&self.positions).turned(&self.orientations)
             },
         );
-        let answers = output.forces.iter().zip(output.torques).zip(&self.frames);
-        for (asked, ((&force, &torque), frame)) in asked.iter_mut().zip(answers) {
+        let forces = output.forces.iter().zip(output.slopes);
+        let answers = forces.zip(output.torques).zip(&self.frames);
+        for (asked, (((&force, &slope), &torque), frame)) in asked.iter_mut().zip(answers) {
             let wrench = Wrench {
                 force: frame.on_device(force),
                 torque,
             };
-            *asked = wrench.into();
+            *asked = Line {
+                slope: frame.on_device(slope),
+                ..wrench.into()
+            };
         }
+        self.is_new.fill(true);
         let fault = output.fault.map(|fault| fault.fault);
         self.limited = output.limited;
         let recorded = self.state.created_at_ports();
@@ -232,12 +245,17 @@ impl Renders for RenderedWorld {
     }
 
     fn report_written(&mut self, device: usize, held: Line, sent: Option<Line>) {
+        let is_new = self.is_new.get_mut(device).is_some_and(std::mem::take);
+        // Without a new sample the force stays at the end of its line, which is part of the model.
+        if self.holds_lines && !is_new {
+            return;
+        }
         let sent = if self.acts_at_once {
             held
         } else {
             sent.unwrap_or(held)
         };
-        self.report(device, sent.wrench);
+        self.report(device, sent);
     }
 
     fn account(&mut self, sequence: u64, _: Vector) {
@@ -260,6 +278,7 @@ impl Renders for RenderedWorld {
                 self.limited.force || self.limited.torque,
             )
             .with(Flags::LIMITED_GUARD, self.limited.guard)
+            .with(Flags::BEYOND_GUARD, self.limited.beyond_guard)
     }
 
     fn actuation(&self) -> Actuation<f64> {

@@ -9,11 +9,14 @@ use palpate_device::{
 };
 use palpate_record::recording::{Row, Tick};
 use palpate_rt::safety::{Rendered, Safety, SafetyParams, SafetyStop};
-use palpate_rt::{ControlLoop, SetupError};
+use palpate_rt::{BoundedWorld, ControlLoop, RenderedWorld, SetupError, WorldFrame};
 use palpate_scene::method::MethodName;
+use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_scene::{Delay, Scene};
 use palpate_study::sim::closed_loop::Bench;
-use palpate_study::sim::device::SimulatedDevice;
+use palpate_study::sim::device::{SimulatedDevice, SpatialDevice};
+use palpate_study::sim::world::WorldBench;
+use palpate_world::Sample;
 
 use crate::{at, scene, simulated, wide};
 
@@ -315,4 +318,98 @@ fn a_device_that_holds_constants_is_refused_with_the_way_out() {
     let message = error.to_string();
     assert!(message.contains("this device holds constants") && message.contains("loop.hold"));
     assert!(remembering(vec![at(0.0)], true).is_ok());
+}
+
+/// Loads a scene of `experiments/worlds` whose devices hold lines, with more keys of its loop.
+fn line_world(name: &str, timing: &str) -> WorldScene {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/worlds");
+    #[allow(clippy::disallowed_methods, reason = "set-up")]
+    let text = std::fs::read_to_string(folder.join(name)).unwrap();
+    let line = format!("period_s = 0.001\nhold = \"line\"\n{timing}");
+    let text = text.replacen("period_s = 0.001\n", &line, 1);
+    WorldFile::parse(name, &text).unwrap().scene
+}
+
+#[test]
+fn lines_of_a_world_are_those_of_the_simulator_with_delays_too() {
+    for name in ["pushed-block.toml", "groove-90-rough.toml"] {
+        for timing in ["", "delay_samples = 1\n", "delay_s = 0.0004\n"] {
+            let scene = line_world(name, timing);
+            let renderer = scene.renderer("coupled").unwrap();
+            let expected = WorldBench::new(&scene).unwrap();
+            let expected = expected.run("coupled", &renderer).unwrap();
+            let clock = SteppedClock::new();
+            let device = &scene.devices[0];
+            let device =
+                SpatialDevice::new(device, &scene.timing.actuator(), clock.clone()).unwrap();
+            assert!(device.capabilities().holds_lines);
+            let frame = WorldFrame::the_same();
+            let world = RenderedWorld::new(&scene.world, renderer, "coupled", frame).unwrap();
+            let mut control = ControlLoop::of_world(device, clock, world, wide()).unwrap();
+            let (mut force, mut slope, mut steepest): (f64, f64, f64) = (0.0, 0.0, 0.0);
+            for sample in 0..150 {
+                let tick = control.tick().tick;
+                let place = control.device().position();
+                for axis in 0..3 {
+                    let moved = place[axis] - expected.positions[sample][0][axis];
+                    assert!(moved.abs() < 1e-6, "{name} {timing}: {moved} m");
+                    let more = tick.commanded_force[axis] - expected.commanded[sample][0][axis];
+                    force = force.max(more.abs());
+                    if timing.is_empty() {
+                        let wanted = expected.commanded_slopes[sample][0][axis];
+                        slope = slope.max((tick.delivered_slope[axis] - wanted).abs());
+                        steepest = steepest.max(wanted.abs());
+                    }
+                }
+            }
+            println!("{name} {timing:?}: {force} N, {slope} N/s of {steepest} N/s");
+            assert!(force < 1e-4 && slope <= 0.01 * steepest, "{force} {slope}");
+            assert!(!timing.is_empty() || steepest > 10.0, "{steepest}");
+        }
+    }
+}
+
+#[test]
+fn a_bounded_world_gives_the_slopes_of_the_renderer_within_the_limit() {
+    let scene = line_world("groove-90-rough.toml", "");
+    let renderer = scene.renderer("coupled").unwrap();
+    let limited = |largest_force: f64| {
+        let limits = SafetyParams {
+            largest_force,
+            soft_start: 0.0,
+            ..wide()
+        };
+        let mut world = BoundedWorld::new(renderer.clone(), limits).unwrap();
+        let mut state = renderer.start();
+        let (mut steepest, mut longest): (f64, f64) = (0.0, 0.0);
+        for tick in 0..60 {
+            let position = [
+                0.002 - 2e-5 * f64::from(tick),
+                0.0,
+                0.004 - 1e-4 * f64::from(tick),
+            ];
+            let sample = Sample::at(std::slice::from_ref(&position));
+            let held = world.step(&sample);
+            let ([wrench], [slope]) = (held.wrenches, held.slopes) else {
+                panic!("one device");
+            };
+            if largest_force > 1e3 {
+                let output = renderer.step(&mut state, &sample);
+                assert_eq!((wrench.force, *slope), (output.forces[0], output.slopes[0]));
+            }
+            for side in [-0.0005, 0.0005] {
+                let end = (0..3).map(|axis| wrench.force[axis] + side * slope[axis]);
+                longest = longest.max(end.map(|x| x * x).sum::<f64>().sqrt());
+            }
+            steepest = slope.iter().fold(steepest, |most, x| most.max(x.abs()));
+        }
+        (steepest, longest)
+    };
+    let (steepest, longest) = limited(1e6);
+    assert!(steepest > 100.0 && longest > 4.0, "{steepest} {longest}");
+    let (steepest, longest) = limited(3.0);
+    assert!(steepest > 100.0, "{steepest}");
+    assert!(longest <= 3.0 + 1e-9, "{longest}");
+    let refused = BoundedWorld::of_constants(renderer, wide()).unwrap_err();
+    assert!(refused.to_string().contains("set loop.hold"), "{refused}");
 }

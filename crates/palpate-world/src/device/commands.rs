@@ -252,11 +252,11 @@ impl Commands {
         }
     }
 
-    /// Replaces the last force by the force that a driver actually sent `[N]`.
-    pub fn correct(&mut self, tool: usize, sent: Vector3) {
+    /// Replaces the last force by the force `[N]` and the slope `[N/s]` that a driver actually sent.
+    pub fn correct(&mut self, tool: usize, sent: Vector3, slope: Vector3) {
         if let Some(tool) = self.tools.get_mut(tool) {
             for (axis, under_way) in tool.under_way.iter_mut().enumerate() {
-                under_way.correct(sent[axis], 0.0);
+                under_way.correct(sent[axis], slope[axis]);
             }
         }
     }

@@ -175,7 +175,8 @@ impl Coupling {
             axes.keep(&mut force);
         }
         if force.iter().all(|x| x.is_finite()) {
-            state.commands.correct(tool, force.into());
+            let slope = Vector3::zeros();
+            state.commands.correct(tool, force.into(), slope);
         }
     }
 

@@ -58,7 +58,7 @@ fn set_up(arguments: &PipeArguments, scene: Option<ContactFile>) -> Result<Strea
     };
     let defaults = SafetyParams::default();
     let is_limit_given = limit_force(flags, &mut setup, motor_limit, &defaults);
-    check_slope(&setup, &arguments.stream.columns)?;
+    check_slope(setup.loop_params.actuation.hold, &arguments.stream.columns)?;
     let force_limit = setup.loop_params.force_limit;
     let soft_start = soft_start(arguments, &defaults)?;
     let period = setup.loop_params.period;
@@ -126,8 +126,8 @@ fn limit_force(
 }
 
 /// Rejects a line hold without the column of its slope, and that column without a line hold.
-fn check_slope(setup: &ReplaySetup, columns: &Columns) -> Result<(), Failure> {
-    match (setup.loop_params.actuation.hold, columns.have_slope()) {
+fn check_slope(hold: Hold, columns: &Columns) -> Result<(), Failure> {
+    match (hold, columns.have_slope()) {
         (Hold::Line, false) => Err(Failure::Arguments(
             "loop.hold is \"line\", so a command is a force and a slope: print both, for example with --columns \
              force,slope; or set loop.hold to \"constant\""

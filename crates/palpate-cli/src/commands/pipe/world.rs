@@ -12,17 +12,18 @@ use palpate_scene::world::WorldFile;
 use palpate_world::Tool;
 
 use super::answering::{MISTAKES, answer, messages};
-use super::{PipeArguments, limits_in_words, soft_start};
+use super::{PipeArguments, check_slope, limits_in_words, soft_start};
 use crate::failure::Failure;
 use crate::worlds::{self, wrong_world};
 
 /// Flags of a pipe of a world; all other values are in its file.
-const FLAGS: [&str; 15] = [
+const FLAGS: [&str; 16] = [
     "file",
     "scene",
     "time",
     "unit",
     "header",
+    "columns",
     "soft_start",
     "force_limit",
     "method",
@@ -57,6 +58,15 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<WorldStream, Fa
         .renderer(method)
         .map_err(|faults| wrong_world(flags, file, &faults))?;
     let limits = SafetyParams::bounding(force_limit, torque_limit, soft_start);
+    let hold = renderer.loop_params().actuation.hold;
+    let columns = &arguments.stream.columns;
+    if !columns.are_of_world() {
+        return Err(Failure::Arguments(
+            "--columns of a world: allowed is force, or force,slope with loop.hold = \"line\""
+                .into(),
+        ));
+    }
+    check_slope(hold, columns)?;
     let world = BoundedWorld::new(renderer, limits)
         .map_err(|error| Failure::Arguments(error.to_string()))?;
     let devices = scene.world.tools.iter().map(|tool| DeviceColumns {
@@ -68,6 +78,7 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<WorldStream, Fa
         time: arguments.stream.time,
         unit: arguments.stream.unit.unwrap_or_default(),
         is_unit_given: arguments.stream.unit.is_some(),
+        slopes: columns.have_slope(),
         devices: devices.collect(),
     };
     let mut messages = messages()?;

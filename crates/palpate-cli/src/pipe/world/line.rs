@@ -14,6 +14,8 @@ pub struct WorldFormat {
     pub unit: LengthUnit,
     /// Whether a flag set the unit.
     pub is_unit_given: bool,
+    /// Whether the slope of the force follows each force.
+    pub slopes: bool,
     /// The devices, in the order of their positions in a line.
     pub devices: Vec<DeviceColumns>,
 }
@@ -58,10 +60,15 @@ impl WorldFormat {
     #[must_use]
     pub fn forces(&self) -> Vec<String> {
         let torques = ["tx_n_m", "ty_n_m", "tz_n_m"];
+        let slopes = ["sx_n_per_s", "sy_n_per_s", "sz_n_per_s"];
         named(
             &self.devices,
             |axis| format!("f{axis}_n"),
-            |device| device.gives_torque.then_some(&torques[..]),
+            |device| match (self.slopes, device.gives_torque) {
+                // A line excludes torques.
+                (true, _) => Some(&slopes[..]),
+                (false, gives_torque) => gives_torque.then_some(&torques[..]),
+            },
         )
     }
 
@@ -180,6 +187,7 @@ mod tests {
             time,
             unit: LengthUnit::Metre,
             is_unit_given: false,
+            slopes: false,
             devices: devices
                 .iter()
                 .map(|&name| DeviceColumns {
@@ -242,6 +250,11 @@ mod tests {
         }
         let two = of(&["thumb", "finger"], false);
         assert_eq!(two.forces()[3], "finger.fx_n");
+        let lines = WorldFormat {
+            slopes: true,
+            ..two
+        };
+        assert_eq!(lines.forces()[2..4], ["thumb.fz_n", "thumb.sx_n_per_s"]);
     }
 
     #[test]

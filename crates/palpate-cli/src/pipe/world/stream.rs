@@ -17,7 +17,7 @@ use crate::pipe::messages::Messages;
 use crate::pipe::mistake::Mistakes;
 use crate::pipe::number;
 use crate::pipe::serving::{Answering, Stopped};
-use crate::pipe::summary::stop_in_words;
+use crate::pipe::summary::{BEYOND_GUARD, stop_in_words};
 
 /// Number of rejected lines that are reported one by one; beyond it each doubling is reported.
 const REPORTED_EACH: u64 = 8;
@@ -98,7 +98,11 @@ impl WorldStream {
         };
         let held = self.world.step(&sample);
         let (fault, limited, bounded) = (held.fault, held.limited, held.bounded);
-        answer(&mut self.memory.text, held.wrenches, &self.format);
+        answer(
+            &mut self.memory.text,
+            (held.wrenches, held.slopes),
+            &self.format,
+        );
         self.summary.leak_held_j = self.world.created_energy();
         if fault.is_none() {
             self.follow(number, &positions, elapsed.unwrap_or(self.period))?;
@@ -117,6 +121,10 @@ impl WorldStream {
                 "line {number}: the forces exceed the bound of the passivity guard; further lines are only counted \
                  in the summary"
             ));
+        }
+        self.summary.beyond_guard += u64::from(limited.beyond_guard);
+        if limited.beyond_guard && self.summary.beyond_guard == 1 {
+            self.tell(format_args!("line {number}: {BEYOND_GUARD}"));
         }
         self.summary.softened += u64::from(bounded.soft_start);
         if bounded.stopped
@@ -259,13 +267,15 @@ impl WorldStream {
     }
 }
 
-/// Formats the forces, and the torques of devices with a torque output, into the output line.
-fn answer(text: &mut String, wrenches: &[Wrench], format: &WorldFormat) {
+/// Formats the forces, and their slopes or the torques of devices with a torque output, into the output line.
+fn answer(text: &mut String, lines: (&[Wrench], &[Vector]), format: &WorldFormat) {
     text.clear();
-    let devices = wrenches.iter().zip(&format.devices);
-    let numbers = devices.flat_map(|(wrench, device)| {
+    let (wrenches, slopes) = lines;
+    let devices = wrenches.iter().zip(slopes).zip(&format.devices);
+    let numbers = devices.flat_map(|((wrench, slope), device)| {
+        let slope = slope.iter().copied().filter(|_| format.slopes);
         let torque = wrench.torque.into_iter().filter(|_| device.gives_torque);
-        wrench.force.into_iter().chain(torque)
+        wrench.force.into_iter().chain(slope).chain(torque)
     });
     for (place, force) in numbers.enumerate() {
         if place > 0 {
@@ -330,8 +340,9 @@ impl Answering for WorldStream {
         if std::mem::replace(&mut self.memory.is_ended, true) || self.summary.samples == 0 {
             return Ok(());
         }
-        let none = vec![Wrench::NONE; self.format.devices.len()];
-        answer(&mut self.memory.text, &none, &self.format);
+        let devices = self.format.devices.len();
+        let none = (vec![Wrench::NONE; devices], vec![[0.0; 3]; devices]);
+        answer(&mut self.memory.text, (&none.0, &none.1), &self.format);
         self.write_text()
     }
 

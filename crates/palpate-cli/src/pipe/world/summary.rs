@@ -26,6 +26,8 @@ pub struct WorldSummary {
     pub limited: u64,
     /// Lines with a force that exceeded the guard's bound.
     pub guarded: u64,
+    /// Lines before which a device accelerated beyond the guard's acceleration.
+    pub beyond_guard: u64,
     /// Lines with a force reduced by the soft start.
     pub softened: u64,
     /// Number of times a tool or body went through a solid and came out of its far side.
@@ -60,6 +62,7 @@ impl WorldSummary {
             refused: 0,
             limited: 0,
             guarded: 0,
+            beyond_guard: 0,
             softened: 0,
             went_through: 0,
             safety_stop: None,
@@ -99,9 +102,14 @@ impl fmt::Display for WorldSummary {
         if let Some(reason) = self.safety_stop {
             write!(f, "; safety stop: {reason}")?;
         }
-        match self.guarded {
-            0 => Ok(()),
-            many => write!(f, "; {} beyond the guard's bound", counted(many, "line")),
+        if self.guarded > 0 {
+            let lines = counted(self.guarded, "line");
+            write!(f, "; {lines} beyond the guard's bound")?;
         }
+        if self.beyond_guard > 0 {
+            let intervals = counted(self.beyond_guard, "interval");
+            write!(f, "; {intervals} beyond the acceleration of the guard")?;
+        }
+        Ok(())
     }
 }

@@ -38,14 +38,16 @@ pub struct SpatialDevice<C> {
     /// Rotation of a six-axis device.
     turning: Option<HeldTurning>,
     moved_until: Option<Duration>,
-    /// Wrench that the motors hold on the device.
-    held: Wrench,
-    /// Last written wrench.
-    written: Wrench,
+    /// Line that the motors hold on the device.
+    held: Line,
+    /// Instant at which that line began.
+    begun: Duration,
+    /// Last written line.
+    written: Line,
     /// Time from a write to the beginning of its force.
     late: Duration,
-    /// Wrenches that begin later, with the instant of each, oldest first.
-    later: VecDeque<(Duration, Wrench)>,
+    /// Lines that begin later, with the instant of each, oldest first.
+    later: VecDeque<(Duration, Line)>,
     cut: Cut,
 }
 
@@ -118,13 +120,20 @@ impl<C: Clock> SpatialDevice<C> {
         };
         Ok(Self {
             clock,
-            capabilities: capabilities("simulated", device),
+            capabilities: Capabilities {
+                // Torques are constants, and neither a lag nor a limited motor delivers a line.
+                holds_lines: turning.is_none()
+                    && actuator.lag == 0.0
+                    && device.drivetrain.largest_force == f64::INFINITY,
+                ..capabilities("simulated", device)
+            },
             device: device.clone(),
             axes: [axis(0)?, axis(1)?, axis(2)?],
             turning,
             moved_until: None,
-            held: Wrench::NONE,
-            written: Wrench::NONE,
+            held: Line::NONE,
+            begun: Duration::ZERO,
+            written: Line::NONE,
             late: Duration::try_from_secs_f64(actuator.delay).unwrap_or_default(),
             later: VecDeque::with_capacity(MAX_LATER),
             cut: Cut::none(),
@@ -149,7 +158,7 @@ impl<C: Clock> SpatialDevice<C> {
         let mut from = *self.moved_until.get_or_insert(now);
         if let Some(cut) = self.cut.between(from, now) {
             self.hold(from, cut);
-            self.held = Wrench::NONE;
+            self.held = Line::NONE;
             self.later.clear();
             from = cut;
         }
@@ -160,31 +169,73 @@ impl<C: Clock> SpatialDevice<C> {
 
     /// Moves under what is held, and under what begins on the way.
     fn hold(&mut self, mut from: Duration, until: Duration) {
-        while let Some(&(begins, wrench)) = self.later.front()
+        while let Some(&(begins, line)) = self.later.front()
             && begins <= until
         {
-            self.advance(begins.saturating_sub(from));
+            self.drive(from, begins);
             from = from.max(begins);
-            self.held = wrench;
+            (self.held, self.begun) = (line, begins);
             self.later.pop_front();
         }
-        self.advance(until.saturating_sub(from));
+        self.drive(from, until);
     }
 
-    fn advance(&mut self, duration: Duration) {
+    /// Moves under the line that the motors hold: to its end, then under its last value.
+    fn drive(&mut self, mut from: Duration, until: Duration) {
+        let over = self.begun.saturating_add(self.held.duration);
+        if !self.held.is_constant() && from < over.min(until) {
+            let ends = until.min(over);
+            let middle = ((from + ends) / 2).saturating_sub(self.begun);
+            let (wrench, slope) = (self.held.at(middle), self.held.slope);
+            self.advance(wrench, slope, ends - from);
+            from = ends;
+        }
+        self.advance(self.held.end(), [0.0; 3], until.saturating_sub(from));
+    }
+
+    /// Moves under a wrench, the mean over `duration`, and the `slope` of its force `[N/s]`.
+    fn advance(&mut self, wrench: Wrench, slope: Vector, duration: Duration) {
         let duration = duration.as_secs_f64();
         if duration > 0.0 {
             if let Some(turning) = &mut self.turning {
-                let _ = turning.advance(self.held.torque, duration);
+                let _ = turning.advance(wrench.torque, duration);
             }
-            let held = self.device.own(self.held.force);
-            for (axis, force) in self.axes.iter_mut().zip(held) {
+            let [held, slope] = [wrench.force, slope].map(|vector| self.device.own(vector));
+            for ((axis, force), slope) in self.axes.iter_mut().zip(held).zip(slope) {
                 if let Axis::Moves { mass, motor, .. } = axis {
                     // The testbed has the force on the object, which is the other one.
-                    motor.drive(&mut **mass, -force, duration);
+                    if slope == 0.0 {
+                        motor.drive(&mut **mass, -force, duration);
+                    } else {
+                        motor.drive_line(&mut **mass, -force, -slope, duration);
+                    }
                 }
             }
         }
+    }
+
+    /// Commands a line, and returns what the motors hold.
+    fn command(&mut self, line: Line) -> Line {
+        let now = self.move_on();
+        self.cut.is_over();
+        // Motors that it has.
+        self.written = if self.capabilities.torque_axes == 0 {
+            Line {
+                wrench: Wrench::of_force(line.wrench.force),
+                ..line
+            }
+        } else {
+            line
+        };
+        if self.late > Duration::ZERO {
+            if self.later.len() == MAX_LATER {
+                self.later.pop_front();
+            }
+            self.later.push_back((now + self.late, self.written));
+        } else {
+            (self.held, self.begun) = (self.written, now);
+        }
+        self.held
     }
 }
 
@@ -203,27 +254,15 @@ impl<C: Clock> Device for SpatialDevice<C> {
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
-        let now = self.move_on();
-        self.cut.is_over();
-        // Motors that it has.
-        self.written = if self.capabilities.torque_axes == 0 {
-            Wrench::of_force(wrench.force)
-        } else {
-            wrench
-        };
-        if self.late > Duration::ZERO {
-            if self.later.len() == MAX_LATER {
-                self.later.pop_front();
-            }
-            self.later.push_back((now + self.late, self.written));
-        } else {
-            self.held = self.written;
-        }
-        Ok(self.held)
+        Ok(self.command(wrench.into()).wrench)
+    }
+
+    fn write_line(&mut self, line: Line) -> Result<Line, DeviceError> {
+        Ok(self.command(line))
     }
 
     fn last_sent(&self) -> Option<Line> {
-        Some(self.written.into())
+        Some(self.written)
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
