@@ -5,7 +5,7 @@ import re
 import tomllib
 from pathlib import Path
 
-from table_cells import by_method, error, force_error, number, table
+from table_cells import by_method, error, force_error, number, spread, table
 
 ROOT = Path(__file__).resolve().parent.parent
 THREE = ["fig2", "experiment1", "experiment2"]
@@ -326,13 +326,6 @@ def line_columns(report):
     return table(["", "FRE %, median/90 %", "E %", "FRE/bound of its hold", "diverged"], rows)
 
 
-def spread(of, digits=1):
-    def shown(value):
-        return f"{value:.{digits}f}" if value is not None and value < 1e3 else number(value)
-
-    return f"{shown(of['median'])} ({shown(of['least'])}-{shown(of['largest'])})"
-
-
 def over_seeds(report):
     rows = []
     for column in report["columns"]:
@@ -375,6 +368,19 @@ def worlds(report):
     return table(["scene", "hold bound", *names], rows)
 
 
+def random_worlds(report):
+    def cells(method):
+        parts = [method["over_seeds"][key] for key in ("median_percent", "quantile_90_percent")]
+        return " / ".join(spread(part, 1 if part["median"] < 10 else 0) for part in parts)
+
+    def row(one):
+        loop = f"{1e3 * one['period_s']:g} ms, {one['delay_samples']}, {1e6 * one['quantum_m']:g} um"
+        return [loop, *map(cells, one["methods"])]
+
+    names = [method["name"] for method in report["loops"][0]["methods"]]
+    return table(["period, delay in samples, quantum", *names], map(row, report["loops"]))
+
+
 def readme(report):
     rows = []
     for column in report["columns"]:
@@ -390,6 +396,7 @@ def readme(report):
 
 
 USERS = ["compare", "experiments/users/*.toml"]
+WORLDS = [[["suite", "--set", name, "--plants", "30", "--seeds", "7"]] for name in ("worlds", "worlds-free")]
 BOUNCES = map_shares(
     None,
     ["stable_percent", "faithful_percent"],
@@ -585,5 +592,7 @@ TABLES = {
     "real": ("suite.md", actuators("real"), [[*REAL, "real"]]),
     "steps": ("suite.md", actuators("steps"), [[*REAL, "steps"]]),
     "worlds": ("world-methods.md", worlds, [["compare", "experiments/worlds/*.toml"]]),
+    "random-worlds": ("worlds.md", random_worlds, WORLDS[0]),
+    "random-worlds-free": ("worlds.md", random_worlds, WORLDS[1]),
     "readme": ("../../README.md", readme, [["suite", "--seeds", "7", "--columns", "experiments/columns/readme.toml"]]),
 }

@@ -29,3 +29,10 @@ def force_error(method):
 
 def by_method(report):
     return {method["method"]: method for method in report["methods"]}
+
+
+def spread(of, digits=1):
+    def shown(value):
+        return f"{value:.{digits}f}" if value is not None and value < 1e3 else number(value)
+
+    return f"{shown(of['median'])} ({shown(of['least'])}-{shown(of['largest'])})"
