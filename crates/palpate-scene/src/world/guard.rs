@@ -1,7 +1,9 @@
 //! Bound on the energy output of a world's forces, as read from a file.
 
 use palpate_core::Range;
-use palpate_world::{LARGEST, WorldField, WorldGuard, WorldGuardParams, WorldHandBound, WorldPart};
+use palpate_world::{
+    LARGEST, Tool, Vector, WorldField, WorldGuard, WorldGuardParams, WorldHandBound, WorldPart,
+};
 use toml::Spanned;
 
 use super::file::Reading;
@@ -76,14 +78,26 @@ impl WorldScene {
         }
     }
 
+    /// Returns half of the model mass of each device along each axis as its least mass `[kg]`; an empty list without a
+    /// bound by acceleration, and if a least mass is given or unknown.
+    #[must_use]
+    pub fn guard_masses(&self) -> Vec<Vector> {
+        let hand = self.render.guard.params().and_then(|params| params.hand);
+        let tools = &self.world.tools;
+        let is_unknown = tools.iter().any(|tool| tool.mass_table.is_some());
+        if is_unknown || !hand.is_some_and(|hand| hand.least_mass == [OF_DEVICE; 3]) {
+            return Vec::new();
+        }
+        let own = tools.iter().zip(&self.render.device_mass);
+        own.map(|(tool, model)| along_world(tool, model).map(half_of))
+            .collect()
+    }
+
     fn hand_of_devices(&self, hand: WorldHandBound) -> WorldHandBound {
-        let half_of = |least: f64| (0.5 * least).min(LARGEST);
         let mut mass = [f64::INFINITY; 3];
         for (tool, model) in self.world.tools.iter().zip(&self.render.device_mass) {
-            let least = model.iter().copied().fold(f64::INFINITY, f64::min);
-            for (mass, model) in mass.iter_mut().zip(model) {
-                let along_world = tool.own_axes.is_none();
-                *mass = mass.min(if along_world { *model } else { least });
+            for (mass, model) in mass.iter_mut().zip(along_world(tool, model)) {
+                *mass = mass.min(model);
             }
             if tool.mass_table.is_some() {
                 // Its least mass has to be given.
@@ -102,6 +116,18 @@ impl WorldScene {
             ..hand
         }
     }
+}
+
+fn half_of(least: f64) -> f64 {
+    (0.5 * least).min(LARGEST)
+}
+
+/// Returns the least model mass of a tool along each world axis `[kg]`.
+fn along_world(tool: &Tool, model: &Vector) -> Vector {
+    if tool.own_axes.is_none() {
+        return *model;
+    }
+    [model.iter().copied().fold(f64::INFINITY, f64::min); 3]
 }
 
 impl Reading {

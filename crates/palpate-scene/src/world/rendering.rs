@@ -229,6 +229,7 @@ impl WorldScene {
             .with_force_limits(each(self.render.force_limit))
             .with_torque_limits(each(self.render.torque_limit))
             .with_guard(self.guard_of_devices())
+            .with_guard_masses(self.guard_masses())
     }
 
     /// The method of that name, with the scene's settings.

@@ -34,7 +34,7 @@ use crate::device::commands::Commands;
 use crate::dynamics::ledger::EnergyLedger;
 use crate::error::out_of_range;
 use crate::geometry::rigid::Vector3;
-use crate::{WorldError, WorldField, WorldPart};
+use crate::{WorldError, WorldField, WorldLoop, WorldPart};
 
 pub use hand::WorldHandBound;
 
@@ -128,7 +128,9 @@ impl WorldGuardParams {
 pub const MAX_LATE: usize = 8;
 
 impl WorldGuard {
-    pub(crate) fn params(&self) -> Option<&WorldGuardParams> {
+    /// Returns the parameters of the bound; `None` if the guard is off.
+    #[must_use]
+    pub fn params(&self) -> Option<&WorldGuardParams> {
         match self {
             Self::Off => None,
             Self::Report(params) | Self::Limit(params) => Some(params),
@@ -226,16 +228,25 @@ pub(crate) struct Account {
 }
 
 impl Account {
-    /// Creates the state for a world with this initial energy `[J]`.
-    pub fn new(guard: &WorldGuard, tools: usize, there: f64) -> Self {
-        let kept = guard.params().map_or(0, |params| params.late + 1);
+    /// Creates the state for a loop before its first sample, without energy.
+    pub fn new(loop_params: &WorldLoop, tools: usize) -> Self {
+        let params = loop_params.guard.params();
+        let kept = params.map_or(0, |params| params.late + 1);
         let tracked = if kept > 0 { tools } else { 0 };
+        let hand = params.and_then(|params| params.hand);
+        let motion = |tool: usize| {
+            ToolMotion::new(hand.map(|hand| WorldHandBound {
+                least_mass:
+                    (loop_params.guard_masses.get(tool)).map_or(hand.least_mass, |own| *own),
+                ..hand
+            }))
+        };
         Self {
-            there,
+            there: 0.0,
             ports: [0.0; MAX_LATE + 1],
             acted: vec![[Vector3::zeros(); 2]; kept * tools],
             tools,
-            motions: vec![ToolMotion::default(); tracked],
+            motions: (0..tracked).map(motion).collect(),
             uneven: vec![[Uneven::default(); 2]; tracked],
             hidden: 0.0,
             left: 0.0,

@@ -3,7 +3,7 @@
 use palpate_core::{Actuation, Range};
 
 use crate::error::out_of_range;
-use crate::{SubSteps, WorldError, WorldField, WorldGuard, WorldPart};
+use crate::{SubSteps, Vector, WorldError, WorldField, WorldGuard, WorldPart};
 
 /// Parameters of the loop that renders a world, common to all tools.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,9 @@ pub struct WorldLoop {
     pub sub_steps: SubSteps,
     /// Bound on the energy delivered by held forces, over all tools.
     pub guard: WorldGuard,
+    /// Least mass of each tool for the guard's bound by acceleration, along each world axis `[kg]`, above 0: one value
+    /// per tool, or an empty list for [`WorldHandBound::least_mass`](crate::WorldHandBound::least_mass) of all.
+    pub guard_masses: Vec<Vector>,
 }
 
 impl WorldLoop {
@@ -43,6 +46,7 @@ impl WorldLoop {
             actuation: Actuation::default(),
             sub_steps: SubSteps::default(),
             guard: WorldGuard::Off,
+            guard_masses: Vec::new(),
         }
     }
 
@@ -76,6 +80,15 @@ impl WorldLoop {
         Self { guard, ..self }
     }
 
+    /// Sets the least mass of each tool for the guard `[kg]`.
+    #[must_use]
+    pub fn with_guard_masses(self, guard_masses: Vec<Vector>) -> Self {
+        Self {
+            guard_masses,
+            ..self
+        }
+    }
+
     pub(crate) fn bridged_gap(&self) -> f64 {
         self.largest_gap.unwrap_or(20.0 * self.period)
     }
@@ -101,20 +114,36 @@ impl WorldLoop {
         for &limit in &self.torque_limits {
             above_zero(WorldField::TorqueLimits, limit);
         }
+        for &mass in self.guard_masses.iter().flatten() {
+            above_zero(WorldField::GuardMass, mass);
+        }
         if let Some(limit) = self.turning_limit {
             above_zero(WorldField::TurningLimit, limit);
         }
         above_zero(WorldField::Phase, self.sub_steps.phase);
         let limits = [
-            (WorldField::ForceLimits, "force", self.force_limits.len()),
-            (WorldField::TorqueLimits, "torque", self.torque_limits.len()),
+            (
+                WorldField::ForceLimits,
+                "force limits",
+                self.force_limits.len(),
+            ),
+            (
+                WorldField::TorqueLimits,
+                "torque limits",
+                self.torque_limits.len(),
+            ),
+            (
+                WorldField::GuardMass,
+                "least masses",
+                self.guard_masses.len(),
+            ),
         ];
         for (field, kind, given) in limits {
             if given != 0 && given != tools {
                 fault(
                     field,
                     format!(
-                        "there are {given} {kind} limits and {tools} tools; give one for each, or none"
+                        "there are {given} {kind} and {tools} tools; give one for each, or none"
                     ),
                 );
             }

@@ -1,5 +1,7 @@
 //! One tick of a world, common to all methods.
 
+mod sent;
+
 use nalgebra::UnitQuaternion;
 use palpate_core::Fault;
 
@@ -25,7 +27,7 @@ use crate::method::lines::{self, Slopes};
 use crate::method::state::{ContactState, Progress, ToolState, WorldState, body_state};
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::{
-    Body, Effort, Limited, Motion, Output, Sample, Tool, Vector, World, WorldErrors, WorldFault,
+    Body, Effort, Limited, Motion, Output, Sample, Vector, World, WorldErrors, WorldFault,
     WorldGuard, WorldLoop,
 };
 
@@ -221,7 +223,7 @@ impl WorldRenderer {
                 devices: vec![DeviceLedger::default(); self.tools],
                 gone: Departed::default(),
             },
-            guard: Account::new(&self.loop_params.guard, self.tools, 0.0),
+            guard: Account::new(&self.loop_params, self.tools),
             now,
         };
         let ledger = &progress.ledger;
@@ -266,44 +268,6 @@ impl WorldRenderer {
             ledger[link.joint].stored += link.stored;
         }
         ledger
-    }
-
-    /// Replaces the last output on a tool by the force that was actually sent `[N]`, for example after saturation.
-    /// Its delay is that of the output, and a line becomes this constant. Non-finite values are ignored, and so are
-    /// components along axes that the device lacks.
-    pub fn report_sent(&self, state: &mut WorldState, tool: usize, force: Vector) {
-        self.report_sent_line(state, tool, force, [0.0; 3]);
-    }
-
-    /// Replaces the last output on a tool by the line that was actually sent: its mean `[N]` and its slope `[N/s]`, like
-    /// [`report_sent`](Self::report_sent) for a constant.
-    pub fn report_sent_line(
-        &self,
-        state: &mut WorldState,
-        tool: usize,
-        mut mean: Vector,
-        mut slope: Vector,
-    ) {
-        if let Some(axes) = self.axes.get(tool) {
-            axes.keep(&mut mean);
-            axes.keep(&mut slope);
-        }
-        if mean.iter().chain(&slope).all(|x| x.is_finite()) {
-            let commands = &mut state.progress.commands;
-            commands.correct(tool, mean.into(), slope.into());
-        }
-    }
-
-    /// Replaces the last output on a tool by the torque that was actually sent `[N m]`, like
-    /// [`report_sent`](Self::report_sent) for the force. Ignored for a tool that feels no torque.
-    pub fn report_sent_torque(&self, state: &mut WorldState, tool: usize, torque: Vector) {
-        let feels_torque = self.world.tools.get(tool).is_some_and(Tool::feels_torque);
-        if torque.iter().all(|x| x.is_finite()) && feels_torque {
-            state
-                .progress
-                .torque_commands
-                .correct(tool, torque.into(), Vector3::zeros());
-        }
     }
 
     /// Performs one tick: takes a sample of all devices and returns the forces and torques to hold until the next

@@ -191,6 +191,8 @@ struct Target {
     period: f64,
     actuation: Actuation<f64>,
     guard: WorldGuardParams,
+    /// Masses of the second device, relative to those of the first.
+    second: f64,
 }
 
 /// Returns a corner of two walls, a point in it, and a method for one tool.
@@ -310,9 +312,15 @@ impl Target {
         let actuation = Actuation::after(delay * period)
             .with_lag(lag * period)
             .with_gain([1.0, random.between(0.5, 2.0)][random.below(2)]);
-        let loop_params = WorldLoop::new(period)
+        let mut loop_params = WorldLoop::new(period)
             .with_actuation(actuation)
             .with_guard(guarded(guard));
+        let mut second = 1.0;
+        if !is_corner && (number / 9).is_multiple_of(2) {
+            second = 4.0;
+            let heavy = HAND.least_mass.map(|mass| second * mass);
+            loop_params = loop_params.with_guard_masses(vec![HAND.least_mass, heavy]);
+        }
         Self {
             name: method.name(),
             renderer: WorldRenderer::new(&world, loop_params, method).unwrap(),
@@ -320,6 +328,7 @@ impl Target {
             period,
             actuation,
             guard,
+            second,
         }
     }
 
@@ -330,6 +339,9 @@ impl Target {
             delay, lag, gain, ..
         } = self.actuation;
         let tools = self.starts.len();
+        let lighter = 1.0 / self.second.sqrt();
+        let lighter = Matrix4::from_diagonal(&Four::new(lighter, lighter, lighter, 1.0));
+        let mobility = [attack.mobility[0], lighter * attack.mobility[1] * lighter];
         let mut state = self.renderer.start();
         let mut devices: Vec<Device> = (0..tools)
             .map(|tool| {
@@ -391,7 +403,7 @@ impl Target {
                     }
                     for (tool, device) in devices.iter_mut().enumerate() {
                         let by_hand = &attack.accelerations[i * PARTS + part][tool];
-                        let mobility = &attack.mobility[tool];
+                        let mobility = &mobility[tool];
                         given_out += device.moves(mobility, by_hand, &aim[tool], lag, until - now);
                     }
                     now = until;
@@ -486,4 +498,44 @@ fn the_same_hands_take_more_without_a_limit() {
     println!("{open} J, a fine sensor {fine} J");
     assert!(open > 20.0 * ALLOWANCE, "{open} J");
     assert!(fine > 2.0 * ALLOWANCE, "{fine} J");
+}
+
+/// Least masses of each device that equal the common one change nothing, and a heavier device gets more force.
+#[test]
+fn each_device_has_its_own_least_mass() {
+    let held = |masses: Vec<Vector>| {
+        let (world, starts, method) = crowd(0);
+        let guard = WorldGuardParams {
+            hand: Some(HAND),
+            ..WorldGuardParams::by_speed(SPEED, TURNING, ALLOWANCE)
+        };
+        let loop_params = WorldLoop::new(0.002)
+            .with_guard(WorldGuard::Limit(guard))
+            .with_guard_masses(masses);
+        let renderer = WorldRenderer::new(&world, loop_params, method).unwrap();
+        let mut state = renderer.start();
+        let mut forces = Vec::new();
+        for tick in 0..200 {
+            let down = 2e-3 * (1.0 - (0.08 * f64::from(tick)).cos());
+            let positions: Vec<Vector> =
+                starts.iter().map(|[x, y, z]| [*x, *y, z - down]).collect();
+            let turns = [IDENTITY; TOOLS];
+            let output = renderer.step(&mut state, &Sample::at(&positions).turned(&turns));
+            forces.extend_from_slice(output.forces);
+        }
+        forces
+    };
+    let common = held(Vec::new());
+    assert_eq!(common, held(vec![HAND.least_mass; TOOLS]));
+    let heavier = HAND.least_mass.map(|mass| 10.0 * mass);
+    let heavier = held(vec![HAND.least_mass, heavier]);
+    // Up to the first difference the bodies have moved alike.
+    let differ = common
+        .iter()
+        .zip(&heavier)
+        .find(|(one, other)| one != other);
+    let (less, more) = differ.expect("a guard that acts");
+    let [less, more] = [less, more].map(|force| Vector3::from(*force).norm());
+    println!("{less} N, {more} N");
+    assert!(more > less, "{less} N, {more} N");
 }

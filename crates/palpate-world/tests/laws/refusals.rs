@@ -138,6 +138,7 @@ fn every_parameter_of_loop_and_method_outside_its_range_is_said() {
             ..SubSteps::default()
         },
         guard: WorldGuard::Off,
+        guard_masses: vec![[0.1, 0.0, 0.1], [0.1; 3]],
     };
     let method = CoupledParams {
         device_mass: vec![[0.1, -0.1, 0.1], [0.1; 3]],
@@ -158,8 +159,10 @@ fn every_parameter_of_loop_and_method_outside_its_range_is_said() {
         "speed_limit",
         "force_limits",
         "torque_limits",
+        "guard.hand.least_mass",
         "turning_limit",
         "force_limits",
+        "guard.hand.least_mass",
         "sub_steps",
         "device_mass",
         "device_mass",

@@ -115,6 +115,10 @@ fn a_guard_takes_its_other_values_from_the_devices() {
     };
     let mass = scene.render.device_mass[0].map(|mass| 0.5 * mass);
     assert_eq!(params.hand.unwrap().least_mass, mass);
+    assert_eq!(scene.loop_params().guard_masses, [mass]);
+    let given = source.replace("s2 = 80", "s2 = 80, least_mass_kg = 0.01");
+    let given = WorldFile::parse("ball.toml", &given).unwrap().scene;
+    assert!(given.loop_params().guard_masses.is_empty());
     assert_eq!(params.quantum, 2e-6);
     scene.renderer("coupled").unwrap();
     let turning = source.replacen("mass_kg", "inertia_kg_m2 = [3e-4, 1e-4, 2e-4]\nmass_kg", 1);

@@ -32,7 +32,8 @@ pub struct WorldHandBound {
     pub acceleration: f64,
     /// Largest angular acceleration of a device that turns `[rad/s^2]`, above 0.
     pub turning: f64,
-    /// Least mass along each world axis that a rendered force can find on any device `[kg]`, above 0.
+    /// Least mass along each world axis that a rendered force can find on any device `[kg]`, above 0;
+    /// [`WorldLoop::guard_masses`](crate::WorldLoop::guard_masses) has one for each device.
     pub least_mass: Vector,
     /// Least moment of inertia about any axis that a rendered torque can find on any device that turns `[kg m^2]`,
     /// above 0.
@@ -126,6 +127,8 @@ impl Step {
 /// Motion of a tool as the guard knows it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ToolMotion {
+    /// Bound on the acceleration, with the least mass of this device.
+    hand: Option<WorldHandBound>,
     /// The last interval; `None` after a lost sample.
     last: Option<Step>,
     /// Whether the last interval may be used for the bound by acceleration.
@@ -169,6 +172,14 @@ impl Price {
 }
 
 impl ToolMotion {
+    /// Creates the motion of a tool before its first sample.
+    pub fn new(hand: Option<WorldHandBound>) -> Self {
+        Self {
+            hand,
+            ..Self::default()
+        }
+    }
+
     /// Returns whether the device accelerated beyond the bound in the last interval.
     pub fn is_exceeded(&self) -> bool {
         self.last.is_some() && !self.is_within
@@ -197,7 +208,7 @@ impl ToolMotion {
         };
         let by_speed = params.hidden_by_speed(&now.held, uneven, moved, elapsed);
         let before = self.last.replace(now);
-        let by_course = match &params.hand {
+        let by_course = match self.hand {
             None => by_speed,
             Some(hand) => {
                 self.is_within = !before.is_some_and(|last| hand.is_exceeded(params, &last, &now));
@@ -228,7 +239,7 @@ impl ToolMotion {
         let total = on_way.each_ref().map(|on_way| on_way.push + on_way.pull);
         let by_speed =
             params.largest_speed * total[0].sum() + params.largest_turning * total[1].sum();
-        let (Some(hand), Some(last)) = (&params.hand, self.within()) else {
+        let (Some(hand), Some(last)) = (self.hand, self.within()) else {
             return by_speed;
         };
         let (velocity, late) = (&last.velocity, last.late());
@@ -259,7 +270,7 @@ impl ToolMotion {
     /// Returns the price of a delivered wrench over a `period` `[s]`.
     pub fn price(&self, params: &WorldGuardParams, wrench: &Both, period: f64) -> Price {
         let impulse = wrench.map(|part| part * period);
-        let (Some(hand), Some(last)) = (&params.hand, self.within()) else {
+        let (Some(hand), Some(last)) = (self.hand, self.within()) else {
             return Price {
                 linear: params.largest_speed * impulse[0].norm()
                     + params.largest_turning * impulse[1].norm(),
