@@ -12,6 +12,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
+use crate::figures::drawn;
 use crate::interrupt::{Stop, interruptible};
 use crate::names::refused;
 use crate::replay::{lacking, unread};
@@ -19,10 +20,12 @@ use crate::world::{PyWorld, wrong};
 
 /// Forces of all devices over all intervals.
 type Forces<'py> = Bound<'py, PyArray3<f64>>;
-/// Report as JSON and text; edges of the intervals; forces of each method; mean forces of the reference solution.
+/// Report as JSON and text, and its figure; edges of the intervals; forces of each method; mean forces of the reference
+/// solution.
 pub type Evaluated<'py> = (
     String,
     String,
+    Option<String>,
     Vec<f64>,
     Vec<(String, Forces<'py>)>,
     Forces<'py>,
@@ -92,6 +95,8 @@ fn renderers(
 struct OfAWorld {
     json: String,
     text: String,
+    /// None if it does not fit its size.
+    figure: Option<String>,
     edges: Vec<f64>,
     forces: Vec<(String, Vec<Vec<Vector>>)>,
     ideal: Vec<Vec<Vector>>,
@@ -126,6 +131,7 @@ fn evaluate(
     Ok(OfAWorld {
         json: palpate_study::json(&report),
         text: report.to_string(),
+        figure: drawn(&palpate_plot::world(scene, &bench, &runs)).ok(),
         edges,
         ideal: ideal.collect(),
         forces: runs
@@ -141,7 +147,14 @@ impl OfAWorld {
         let forces = forces.map(|(method, forces)| Ok((method, of_devices(py, &forces)?)));
         let forces: PyResult<Vec<_>> = forces.collect();
         let ideal = of_devices(py, &self.ideal)?;
-        Ok((self.json, self.text, self.edges, forces?, ideal))
+        Ok((
+            self.json,
+            self.text,
+            self.figure,
+            self.edges,
+            forces?,
+            ideal,
+        ))
     }
 }
 

@@ -73,7 +73,7 @@ _Motion = tuple[NDArray[np.float64], NDArray[np.float64], str, str | None, str |
 _Part = tuple[list[tuple[str, str]], list[str]]
 _Row = tuple[tuple[int, int, int, int], tuple[float, float, float, float], tuple[bool, int, int]]
 _Rendered = tuple[str, str, list[tuple[str, _Words]], _Words]
-_Judged = tuple[str, str, list[float], list[tuple[str, NDArray[np.float64]]], NDArray[np.float64]]
+_Judged = tuple[str, str, str | None, list[float], list[tuple[str, NDArray[np.float64]]], NDArray[np.float64]]
 
 @disjoint_base
 class Renderer:

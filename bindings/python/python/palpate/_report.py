@@ -212,18 +212,20 @@ class WorldRuns(Report):
         edges: NDArray[np.float64] | None = None,
         forces: Mapping[str, NDArray[np.float64]] = {},
         ideal: NDArray[np.float64] | None = None,
+        figure: Figure = None,
     ) -> None:
-        super().__init__(fields, text)
+        super().__init__(fields, text, figure)
         self.edges = np.empty(0) if edges is None else edges
         self.forces = dict(forces)
         self.ideal = np.empty((0, 0, 3)) if ideal is None else ideal
 
     @classmethod
     def _of_worlds(
-        cls, made: tuple[str, str, list[float], list[tuple[str, NDArray[np.float64]]], NDArray[np.float64]]
+        cls,
+        made: tuple[str, str, str | None, list[float], list[tuple[str, NDArray[np.float64]]], NDArray[np.float64]],
     ) -> WorldRuns:
-        fields, text, edges, forces, ideal = made
-        return cls(json.loads(fields, object_hook=Fields), text, np.array(edges), dict(forces), ideal)
+        fields, text, figure, edges, forces, ideal = made
+        return cls(json.loads(fields, object_hook=Fields), text, np.array(edges), dict(forces), ideal, figure)
 
     def method(self, name: str) -> Fields:
         """Returns the results of one method."""
@@ -256,7 +258,7 @@ class WorldRuns(Report):
         return ax
 
     def __reduce__(self) -> Any:
-        return (type(self), (dict(self), str(self), self.edges, self.forces, self.ideal))
+        return (type(self), (dict(self), str(self), self.edges, self.forces, self.ideal, self._figure))
 
 
 def _named(methods: Sequence[Fields], name: str) -> Fields:

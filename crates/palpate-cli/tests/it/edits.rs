@@ -251,7 +251,15 @@ fn a_worlds_signals_have_those_of_the_ideal() {
     let expected = number(sum, "mean_force_error_percent");
     assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
     let figure = folder.read("s.svg");
-    for words in ["force x [N]", "off ideal", "contacts", "time [s]"] {
+    for words in [
+        "force x [N]",
+        "off ideal",
+        "penetration x [mm]",
+        "contacts",
+        "deepest penetration",
+        "generated energy",
+        "time [s]",
+    ] {
         assert!(figure.contains(words), "{words}");
     }
     folder.fail("simulate world.toml --out -", 2, &["--out -"]);

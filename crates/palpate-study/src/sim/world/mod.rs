@@ -3,6 +3,7 @@
 
 mod evaluated;
 mod rendered;
+mod touched;
 
 use palpate_core::Hold;
 use palpate_scene::world::WorldScene;
@@ -21,6 +22,7 @@ use palpate_world::{
 pub use evaluated::as_evaluated;
 pub(crate) use evaluated::{reference_point, reference_turning};
 pub use rendered::as_rendered;
+pub use touched::Touched;
 
 /// Most periods of a window.
 const MAX_PERIODS: f64 = 1e6;
@@ -65,6 +67,8 @@ pub struct WorldRun {
     pub delivered: Vec<Vec<Vector>>,
     /// Torque on each tool over each interval, as its actuator delivered it: `[device][interval]` `[N m]`.
     pub delivered_torques: Vec<Vec<Vector>>,
+    /// Rendered contacts and generated energy at each sample.
+    pub touched: Vec<Touched>,
     /// Position of each device at each sample: `[sample][device]` `[m]`.
     pub positions: Vec<Vec<Vector>>,
     /// Orientation of each device at each sample: `[sample][device]`, unit quaternions `[w, x, y, z]`.
@@ -184,6 +188,7 @@ impl WorldRun {
             commanded_torques: Vec::new(),
             delivered: Vec::new(),
             delivered_torques: Vec::new(),
+            touched: Vec::new(),
             positions: Vec::new(),
             orientations: Vec::new(),
             evaluation: WorldEvaluation {
@@ -382,6 +387,7 @@ impl WorldBench {
                 if is_first {
                     run.found_at_start = state.created_at_ports();
                 }
+                run.touched.push(Touched::new(&state, run.found_at_start));
             }
             if stretch.begins_hold {
                 plant.begin_interval();
