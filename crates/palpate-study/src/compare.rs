@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::map::bounds::least_explicit_mass;
+use crate::sim::integrated::Integrator;
 use crate::sim::run::{Reference, Run};
 use comfy_table::{Cell, CellAlignment};
 use palpate_scene::method::MethodName;
@@ -70,8 +72,12 @@ pub struct SceneRows {
     pub ideal_peak_force_n: Option<f64>,
     /// Error of the ideal's impulses relative to the largest; 0 if it is exact.
     pub ideal_error: f64,
-    /// One entry for each method.
+    /// One entry for each method, then for each integrator of the object if they are compared.
     pub methods: Vec<MethodRow>,
+    /// Least mass of the object that an explicit integrator moves passively, K T²/4 `[kg]`; only if integrators are
+    /// compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_explicit_mass_kg: Option<f64>,
     /// Means over several seeds with their intervals, and differences of the methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seeded: Option<Seeded>,
@@ -173,20 +179,9 @@ impl SceneRows {
         let mut ran = Vec::new();
         let mut methods = Vec::new();
         for (method, outcome) in outcomes {
-            let (result, remarks) = match outcome {
-                Err(cannot) => (Outcome::Cannot { cannot }, String::new()),
-                Ok(run) => {
-                    let report = MethodReport::new(&run, sign);
-                    let remarks = report.remarks();
-                    ran.push(run);
-                    (Outcome::Ran(Box::new(Figures::new(report, peak))), remarks)
-                }
-            };
-            methods.push(MethodRow {
-                method: method.name(),
-                result,
-                remarks,
-            });
+            let name = method.name();
+            methods.push(MethodRow::new(name, outcome.as_ref(), sign, peak));
+            ran.extend(outcome);
         }
         let report = Report::new(subject, reference, &ran);
         Self {
@@ -198,8 +193,27 @@ impl SceneRows {
             ideal_peak_force_n: (peak > 0.0).then_some(peak),
             ideal_error: report.ideal_error,
             methods,
+            least_explicit_mass_kg: None,
             seeded: None,
         }
+    }
+
+    /// Adds the sampled spring with an object that each integrator moves.
+    #[must_use]
+    pub fn with_integrators(
+        mut self,
+        subject: &Subject,
+        outcomes: &[(Integrator, Result<Run, String>)],
+    ) -> Self {
+        let sign = subject.contact.side.sign();
+        let peak = self.ideal_peak_force_n.unwrap_or(0.0);
+        let rows = outcomes.iter().map(|(integrator, outcome)| {
+            MethodRow::new(integrator.name(), outcome.as_ref(), sign, peak)
+        });
+        self.methods.extend(rows);
+        let (stiffness, period) = (subject.contact.stiffness, subject.loop_params.period);
+        self.least_explicit_mass_kg = Some(least_explicit_mass(stiffness, period));
+        self
     }
 
     /// Returns the lowest error of a method whose run stayed bounded.
@@ -236,6 +250,36 @@ impl SceneRows {
             Outcome::Cannot { cannot } => row[14].clone_from(cannot),
         }
         row
+    }
+}
+
+impl MethodRow {
+    /// Returns the row of a run, or of the reason why there is none.
+    fn new(
+        method: &'static str,
+        outcome: Result<&Run, &String>,
+        sign: f64,
+        ideal_peak: f64,
+    ) -> Self {
+        let (result, remarks) = match outcome {
+            Err(cannot) => (
+                Outcome::Cannot {
+                    cannot: cannot.clone(),
+                },
+                String::new(),
+            ),
+            Ok(run) => {
+                let report = MethodReport::new(run, sign);
+                let remarks = report.remarks();
+                let figures = Figures::new(report, ideal_peak);
+                (Outcome::Ran(Box::new(figures)), remarks)
+            }
+        };
+        Self {
+            method,
+            result,
+            remarks,
+        }
     }
 }
 
@@ -335,6 +379,14 @@ impl fmt::Display for Comparison {
                 if let Outcome::Cannot { cannot } = &method.result {
                     writeln!(f, "{}", below(&format!("cannot be set up: {cannot}")))?;
                 }
+            }
+            if let Some(least) = scene.least_explicit_mass_kg {
+                let words = format!(
+                    "exact to implicit: the sampled spring, with an object that this integrator moves. An explicit one is \
+                     passive from K T²/4 = {} kg (Brown-Colgate).",
+                    digits(least)
+                );
+                writeln!(f, "{}", below(&words))?;
             }
             if let Some(seeded) = &scene.seeded {
                 write!(f, "\n{seeded}")?;

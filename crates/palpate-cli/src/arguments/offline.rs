@@ -169,6 +169,9 @@ pub struct CompareArguments {
     /// Methods: all, or one or more, separated by commas [default: all]
     #[arg(long, value_name = "NAMES", value_parser = any_methods)]
     pub method: Option<AnyMethods>,
+    /// Add the sampled spring with an object moved by each integrator: exact, midpoint, explicit, semi-implicit, implicit
+    #[arg(long)]
+    pub integrators: bool,
     /// Several seeds.
     #[command(flatten)]
     pub several: SeedFlags,

@@ -164,3 +164,36 @@ fn the_table_is_written_as_csv() {
         &["--out would overwrite the input fig2.toml"],
     );
 }
+
+#[test]
+fn integrators_of_the_object_are_rows_with_their_least_mass() {
+    let folder = Folder::new();
+    folder.write("fig2.toml", experiment_text("fig2"));
+    let asked = "compare fig2.toml --method basic --integrators";
+    let comparison = folder.json(asked);
+    let scene = &comparison["scenes"][0];
+    let rows = scene["methods"].as_array().unwrap();
+    let error = |row: usize| number(&rows[row], "force_rendering_error_percent");
+    let names: Vec<_> = rows.iter().map(|row| row["method"].as_str()).collect();
+    let expected = [
+        "basic",
+        "exact",
+        "midpoint",
+        "explicit",
+        "semi-implicit",
+        "implicit",
+    ];
+    assert_eq!(names, expected.map(Some));
+    // The sampled spring moves its object exactly.
+    assert_eq!(error(0), error(1));
+    assert!(error(3) > 1.2 * error(1) && error(5) < 0.2 * error(1));
+    // K = 100 N/m at 10 ms.
+    assert!((number(scene, "least_explicit_mass_kg") - 0.0025).abs() < 1e-12);
+    let text = folder.succeed(asked);
+    assert!(
+        text.contains("passive") && text.contains("0.00250 kg"),
+        "{text}"
+    );
+    folder.write("paddle.toml", experiment_text("worlds/paddle"));
+    folder.fail("compare paddle.toml --integrators", 2, &["one contact"]);
+}

@@ -281,7 +281,7 @@ fn flags_of_one_contact_and_methods_of_one_contact_are_refused() {
         ),
         (
             "--columns force,penetration",
-            "--columns: ball.toml is a world",
+            "--columns of a world: allowed is force",
         ),
     ] {
         let answer = folder.palpate_reading("", &format!("pipe ball.toml {flags}"));
@@ -469,10 +469,15 @@ fn a_device_that_gives_no_torque_is_read_with_its_orientation_and_answered_with_
 
 #[test]
 fn a_hand_beyond_the_acceleration_of_the_guard_is_counted() {
+    // Steps of 0.1 mm.
+    let mut jerky = motion();
+    for [thumb, _] in jerky.iter_mut().skip(5).step_by(2) {
+        thumb[2] += 1e-4;
+    }
     let pipe = |acceleration: &str| {
         let guard = format!("--guard limit --guard-acceleration {acceleration}");
         let arguments = format!("pipe ball.toml --soft-start 0 --json {guard}");
-        let answer = folder().palpate_reading(lines(&motion()), &arguments);
+        let answer = folder().palpate_reading(lines(&jerky), &arguments);
         assert_eq!(answer.code, 0, "{answer:?}");
         let said = answer.stderr.lines().find(|line| line.starts_with('{'));
         let report: serde_json::Value = serde_json::from_str(said.unwrap()).unwrap();
@@ -487,14 +492,17 @@ fn a_hand_beyond_the_acceleration_of_the_guard_is_counted() {
 #[test]
 fn lines_of_a_world_have_their_slopes_beside_the_forces() {
     let folder = folder();
-    let line = folder.read("ball.toml").replacen("[loop]\n", "[loop]\nhold = \"line\"\n", 1);
+    let line = folder
+        .read("ball.toml")
+        .replacen("[loop]\n", "[loop]\nhold = \"line\"\n", 1);
     folder.write("line.toml", &line);
     let pipe = |arguments: &str| folder.palpate_reading(lines(&motion()), arguments);
     let coupled = "pipe line.toml --method coupled --soft-start 0";
     let answer = pipe(&format!("{coupled} --columns force,slope --header"));
     assert_eq!(answer.code, 0, "{answer:?}");
     let mut printed = answer.stdout.lines();
-    let of_thumb = "thumb.fx_n,thumb.fy_n,thumb.fz_n,thumb.sx_n_per_s,thumb.sy_n_per_s,thumb.sz_n_per_s";
+    let of_thumb =
+        "thumb.fx_n,thumb.fy_n,thumb.fz_n,thumb.sx_n_per_s,thumb.sy_n_per_s,thumb.sz_n_per_s";
     let header = printed.next().unwrap();
     assert!(header.starts_with(of_thumb), "{header}");
     let rows: Vec<Vec<f64>> = printed

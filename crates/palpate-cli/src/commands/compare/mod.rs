@@ -6,6 +6,7 @@ use palpate_scene::SceneFile;
 use palpate_scene::SetupError;
 use palpate_scene::method::MethodName;
 use palpate_study::sim::closed_loop::{Bench, LoopError};
+use palpate_study::sim::integrated::Integrator;
 
 use super::simulate::{explain, read_any};
 use crate::arguments::{CompareArguments, Flags, TimingFlags};
@@ -45,6 +46,11 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
             contact.display()
         )));
     }
+    if !worlds.is_empty() && arguments.integrators {
+        return Err(Failure::Arguments(
+            "--integrators moves the object of one contact; leave it out for worlds".into(),
+        ));
+    }
     if !worlds.is_empty() {
         return world::run(arguments, &outputs, &worlds);
     }
@@ -82,6 +88,13 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
             bench.reference(),
             outcomes,
         );
+        if arguments.integrators {
+            let own = Integrator::ALL.map(|integrator| {
+                let run = bench.run_own(integrator);
+                (integrator, run.map_err(|error| error.to_string()))
+            });
+            rows = rows.with_integrators(&Subject::new(scene), &own);
+        }
         if arguments.several.are_several() {
             let failure = |error| explain(no_flags, file, scene.method, error);
             rows.seeded = Some(arguments.several.contact(scene, &able, failure)?);
