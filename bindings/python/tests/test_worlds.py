@@ -318,3 +318,9 @@ def test_what_is_wrong_with_tables_is_said_with_its_place() -> None:
     ]:
         with pytest.raises(ValueError, match=said):
             palpate.World(**{**tables, **changed})
+
+
+def test_a_simulated_world_has_the_figure_of_the_program() -> None:
+    figure = palpate.simulate("experiments/worlds/pinch.toml", "basic").to_svg()
+    for words in ("force left x [N]", "penetration", "generated energy"):
+        assert words in figure, words
