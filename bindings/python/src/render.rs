@@ -161,9 +161,10 @@ pub fn render<'py>(
             let (samples, period) = (setup.delay().whole_samples(), setup.loop_params.period);
             report.actuated(actuation_lines(&setup.actuation, samples, period));
             report.replayed(Replayed::Motion);
+            let warning = covers.warning();
             report.moved(covers);
             let ideal = of_ideal(replay.reference());
-            (Rendered::of(&report, ideal, runs), covers.warning())
+            (Rendered::of(&report, ideal, runs), warning)
         })
     })?;
     let (rendered, warning) = rendered.map_err(|error| wrong_replay(&error))?;
