@@ -350,8 +350,8 @@ fn lines_of_a_world_are_those_of_the_simulator_with_delays_too() {
             for sample in 0..150 {
                 let tick = control.tick().tick;
                 let place = control.device().position();
-                for axis in 0..3 {
-                    let moved = place[axis] - expected.positions[sample][0][axis];
+                for (axis, at) in place.into_iter().enumerate() {
+                    let moved = at - expected.positions[sample][0][axis];
                     assert!(moved.abs() < 1e-6, "{name} {timing}: {moved} m");
                     let more = tick.commanded_force[axis] - expected.commanded[sample][0][axis];
                     force = force.max(more.abs());
