@@ -113,9 +113,9 @@ mod tests {
     fn moves_as_in_pieces(device: impl LinearPlant + Copy) {
         for lag in [1e-5, 2e-4, 3e-3, 0.5] {
             let (mut at_once, mut pieces) = (device, device);
-            for i in 0..40_i32 {
+            let durations = [0.0007, 0.0013, 0.004].into_iter().cycle();
+            for (i, duration) in (0..40_u32).zip(durations) {
                 let (aim, excess) = (f64::from(i % 7) - 2.0, 3.0 - f64::from(i % 5));
-                let duration = [0.0007, 0.0013, 0.004][(i % 3) as usize];
                 let work = at_once
                     .advance_settling(aim, excess, lag, duration)
                     .unwrap();

@@ -11,7 +11,7 @@ use crate::sprung_mass::SprungMass;
 /// One axis of a device: it moves, or the device lacks it and stays.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum HeldAxis {
-    Moves(SwungMass),
+    Moves(Box<SwungMass>),
     /// With friction, or in a hand with an intention.
     Held(Box<HeldMass>),
     /// At this position `[m]`.
@@ -25,7 +25,7 @@ impl HeldAxis {
             return Ok(Self::Stays(device.own(Vec3(device.position)).0[axis]));
         }
         if device.hand.is_still() && !device.has_friction() {
-            return SwungMass::new(device, axis, name).map(Self::Moves);
+            return SwungMass::new(device, axis, name).map(|mass| Self::Moves(Box::new(mass)));
         }
         let held = device.held_along(axis);
         let held = held.map_err(|invalid| InvalidParameter {
