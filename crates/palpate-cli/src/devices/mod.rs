@@ -105,32 +105,31 @@ pub struct OpenedInWorld {
     identity: Option<String>,
 }
 
-/// Opens the device in `arguments` as the device `own` of a world, as [`open`] does for one contact. `hand` moves the
-/// device `pointer`; without a hand that device stays at its start.
+/// Opens the device in `arguments` as the device of a world at the index `number`, as [`open`] does for one contact.
+/// `hand` moves the device `pointer`; without a hand that device stays at its start.
 fn open_as<C: Clock>(
-    own: &WorldDevice,
+    (scene, number): (&WorldScene, usize),
     arguments: &DeviceArguments,
-    scene: &WorldScene,
     clock: &C,
     guarding: &Guarding,
     hand: Option<&SpatialHand>,
 ) -> Result<OpenedInWorld, Failure> {
     arguments.check()?;
+    let own = &scene.devices[number];
     let mut identity = None;
     let period = scene.timing.period;
     let wrong = |error: palpate_testbed::InvalidParameter| Failure::input(error);
     // The device position that corresponds to its tool's start position in the world.
     let (device, usual): (Box<dyn Device>, Option<Vector>) = match arguments.kind() {
         DeviceName::Simulated => {
-            let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone());
+            let device = SpatialDevice::new(scene, number, clock.clone());
             (Box::new(device.map_err(wrong)?), None)
         }
         DeviceName::Pointer => {
             let hand = hand
                 .cloned()
                 .unwrap_or_else(|| SpatialHand::at(own.position));
-            let actuator = &scene.timing.actuator();
-            let device = SpatialPointer::new(own, actuator, &hand, clock.clone());
+            let device = SpatialPointer::new(scene, number, &hand, clock.clone());
             (Box::new(device.map_err(wrong)?), None)
         }
         DeviceName::Null | DeviceName::Replay => {

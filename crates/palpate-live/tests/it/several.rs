@@ -88,10 +88,9 @@ fn stage(methods: &[&'static str]) -> Stage {
             };
             limits.oscillation.energy = f64::INFINITY;
             limits.recoveries.too_many = None;
-            let devices = scene.devices.iter().zip(&hands).enumerate();
-            let devices = devices.map(|(number, (own, hand))| {
-                let actuator = &scene.timing.actuator();
-                let pointer = SpatialPointer::new(own, actuator, hand, clock).unwrap();
+            let devices = hands.iter().enumerate();
+            let devices = devices.map(|(number, hand)| {
+                let pointer = SpatialPointer::new(&scene, number, hand, clock).unwrap();
                 let is_out = if number == 1 {
                     Arc::clone(&is_out)
                 } else {

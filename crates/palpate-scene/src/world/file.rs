@@ -18,7 +18,6 @@ use super::device::wrong_body_name;
 use super::place::WorldPlaces;
 use super::shape::{RawShape, unit};
 use super::{WorldRender, WorldScene, WorldTiming};
-use crate::delay::Delay;
 use crate::fault::{Places, SceneError, SceneErrors, Span};
 use crate::model::RawModel;
 use crate::one_contact::NotOneContact;
@@ -260,14 +259,8 @@ impl Reading {
     /// Returns the model of the true actuators: without a fraction of a period, which no model knows, and with at most
     /// the longest delay that a renderer models.
     fn known_actuation(&mut self, timing: &WorldTiming) -> Actuation<f64> {
-        let known = match timing.delay {
-            Delay::Periods { samples, .. } => Delay::samples(samples),
-            delay @ Delay::Seconds(_) => delay,
-        };
-        let (known, longest) = (
-            known.time(timing.period),
-            LARGEST_DELAY as f64 * timing.period,
-        );
+        let known = timing.device_delay();
+        let longest = LARGEST_DELAY as f64 * timing.period;
         if known > longest * (1.0 + 1e-9) {
             let note = format!(
                 "the renderer models at most {LARGEST_DELAY} periods of delay, {longest} s; the rest of {known} s is \

@@ -285,7 +285,7 @@ impl WorldReport {
             format: FORMAT,
             title: scene.title.clone(),
             period_s: scene.timing.period,
-            delay_s: scene.timing.actuator().delay,
+            delay_s: scene.timing.delay.time(scene.timing.period),
             lag_s: scene.timing.actuator.lag,
             gain: scene.timing.actuator.gain,
             timing: timing_of(Delay::NONE, imperfections),

@@ -104,7 +104,7 @@ impl HeldTurning {
     }
 
     /// Releases the device permanently.
-    pub(super) fn release(&mut self) {
+    pub fn release(&mut self) {
         self.turning.hand = TurningHand::none();
     }
 

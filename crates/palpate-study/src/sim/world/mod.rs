@@ -257,7 +257,9 @@ impl WorldBench {
     pub fn led(scene: &WorldScene, path: LedPath) -> Result<Self, WorldBenchError> {
         let periods = (path.end() / scene.timing.period * (1.0 + 1e-9)).floor();
         // Commands that have not arrived when the motion ends are not evaluated.
-        let late = scene.timing.actuator().delay / scene.timing.period;
+        let timing = &scene.timing;
+        let latest = timing.delay.time(timing.period) + timing.imperfections.command_jitter;
+        let late = latest / timing.period;
         Self::solved(scene, periods - late.ceil(), Some(path))
     }
 
