@@ -189,7 +189,8 @@ impl BoundedWorld {
             "order of the hold",
             if hold.is_constant() { 0.0 } else { 1.0 },
             hold.is_constant(),
-            "0, a constant: a bounded world returns forces without slopes; set loop.hold = \"constant\"",
+            "0, a constant: a bounded world returns forces without slopes; set loop.hold = \"constant\" in the scene, or \
+             evaluate lines with palpate simulate",
         )?;
         let state = renderer.start();
         let tools = state.tools().len();

@@ -25,7 +25,7 @@ use palpate_device::{Device, NullDevice, Vector};
 use palpate_haply::prepared::{Axis, FIRST_AXIS, Reconnecting, Reopen};
 use palpate_rt::WorldFrame;
 use palpate_scene::Scene;
-use palpate_scene::world::{WorldDevice, WorldScene};
+use palpate_scene::world::WorldScene;
 use palpate_study::sim::device::{
     PointerDevice, PointerHand, PointerParams, SimulatedDevice, SpatialDevice, SpatialHand,
     SpatialPointer,

@@ -1,7 +1,7 @@
 //! The devices of a world.
 
 use palpate_device::clock::Clock;
-use palpate_scene::world::{WorldDevice, WorldScene};
+use palpate_scene::world::WorldScene;
 use palpate_study::sim::device::SpatialHand;
 
 use super::arguments::Choice;

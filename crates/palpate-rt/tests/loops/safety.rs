@@ -1,6 +1,6 @@
 //! The safety layer without a loop.
 
-use palpate_core::Actuation;
+use palpate_core::{Actuation, Hold};
 use palpate_device::Wrench;
 use palpate_rt::BoundedWorld;
 use palpate_rt::safety::{OscillationParams, Rendered, Safety, SafetyParams, SafetyStop};
@@ -325,13 +325,13 @@ fn the_slew_limit_holds_in_soft_starts_and_recoveries() {
     }
 }
 
-/// Creates a point above a floor at 1 kHz, with limited forces, in a caller-owned loop.
-fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
+/// Creates a world of a point above a floor.
+fn point_above_a_floor(stiffness: f64) -> World {
     let floor = Shape::HalfSpace {
         normal: [0.0, 0.0, 1.0],
         offset: 0.0,
     };
-    let world = World {
+    World {
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.0 })],
         bodies: vec![Body::new("floor", floor, Motion::Fixed)],
         contacts: vec![Contact {
@@ -339,11 +339,32 @@ fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
             law: ContactLaw::spring(stiffness),
         }],
         joints: Vec::new(),
-    };
+    }
+}
+
+/// Creates a point above a floor at 1 kHz, with limited forces, in a caller-owned loop.
+fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
+    let world = point_above_a_floor(stiffness);
     let loop_params = WorldLoop::new(0.001);
     let renderer = WorldRenderer::new(&world, loop_params, BasicParams::default()).unwrap();
     let limits = SafetyParams::bounding(Some(force_limit), None, 0.2);
     BoundedWorld::new(renderer, limits).unwrap()
+}
+
+/// A caller's loop gets forces without slopes, so it refuses a renderer of lines with the ways out.
+#[test]
+fn a_bounded_world_refuses_lines() {
+    let world = point_above_a_floor(1000.0);
+    let mut loop_params = WorldLoop::new(0.001);
+    loop_params.actuation.hold = Hold::Line;
+    let coupled = CoupledParams::new(vec![[0.05; 3]]);
+    let renderer = WorldRenderer::new(&world, loop_params, coupled).unwrap();
+    let refused = BoundedWorld::new(renderer, SafetyParams::default()).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "order of the hold is 1, but must be 0, a constant: a bounded world returns forces without slopes; set \
+         loop.hold = \"constant\" in the scene, or evaluate lines with palpate simulate"
+    );
 }
 
 /// Renders a mass of 0.05 kg that a hand presses with 5 N on a floor at 1 kHz, in a caller-owned loop. Returns the

@@ -63,6 +63,20 @@ impl WorldFile {
         Self::read(source, Tables::read(source)?, folder)
     }
 
+    /// Reads a world whose devices follow a motion that is known otherwise, as [`parse_edited`](Self::parse_edited) does,
+    /// but without the traces in the `rest_file` of its hands.
+    ///
+    /// # Errors
+    /// Those of [`parse`](Self::parse).
+    pub fn parse_led(source: &Source) -> Result<Self, SceneErrors> {
+        let folder = Path::new(&source.name).parent().unwrap_or(Path::new(""));
+        let mut tables = Tables::read(source)?;
+        for device in &mut tables.raw.device {
+            device.get_mut().hand.rest_file = None;
+        }
+        Self::read(source, tables, folder)
+    }
+
     /// Reads a world from a text that is called `name`. Mesh files are read from `folder`.
     ///
     /// # Errors

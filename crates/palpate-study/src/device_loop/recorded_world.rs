@@ -64,7 +64,8 @@ impl RecordedWorld {
         let Some(text) = recording.metadata.texts.get(Self::TEXT) else {
             return Err(RecordedWorldError::OneContact(name));
         };
-        let mut file = WorldFile::parse_edited(&Source::new(&name, text).edited(edits))?;
+        // No hand holds the devices, and its trace is beside the scene, not beside the recording.
+        let mut file = WorldFile::parse_led(&Source::new(&name, text).edited(edits))?;
         let tools = file.scene.world.tools.iter();
         let names: Vec<_> = tools.map(|tool| tool.name.as_str()).collect();
         let frames = frames_of_devices(&recording.metadata, &names)

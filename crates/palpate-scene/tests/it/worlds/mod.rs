@@ -413,6 +413,8 @@ fn keys_of_one_contact_are_refused_in_a_world() {
             "collapse = { from_s = 0, until_s = 0.1, period_s = 0.002 }",
         ),
         ("quantum_m = 2e-6", "drivetrain.motor_limit_n = 4"),
+        ("quantum_m = 2e-6", "inertia_kg_m2 = [1e-4, 1e-4, 1e-4]"),
+        ("[render]", "guard.mode = \"report\""),
     ] {
         let (key, _) = keys.split_once(" = ").unwrap();
         let said = said(&line.replacen(place, &format!("{place}\n{keys}"), 1));
