@@ -233,7 +233,7 @@ pub enum TraceFault {
         first: f64,
         /// Time of the last sample `[s]`, if the trace was read to its end.
         last: Option<f64>,
-        /// What was left out of it.
+        /// Omitted samples.
         notes: ReadNotes,
     },
     /// The trace has fewer than two samples.
@@ -244,7 +244,7 @@ pub enum TraceFault {
     TooFewSamples {
         /// Number of samples.
         found: usize,
-        /// What was left out of it.
+        /// Omitted samples.
         notes: ReadNotes,
     },
 }

@@ -63,8 +63,8 @@ impl WorldFile {
         Self::read(source, Tables::read(source)?, folder)
     }
 
-    /// Reads a world whose devices follow a motion that is known otherwise, as [`parse_edited`](Self::parse_edited) does,
-    /// but without the traces in the `rest_file` of its hands.
+    /// Reads a world whose devices follow a motion that is known otherwise, as [`parse_edited`](Self::parse_edited)
+    /// does, but without the traces in the `rest_file` of its hands.
     ///
     /// # Errors
     /// Those of [`parse`](Self::parse).

@@ -54,8 +54,8 @@ pub struct WorldScene {
 /// A device and its hand. Its axes are those of the world or its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldDevice {
-    /// Its axes, unit vectors at right angles along the world's: mass, quantum and tremor are along them, positions, velocities and
-    /// forces along the world's. `None`: the world's own. Those of its tool are the same
+    /// Its axes, unit vectors at right angles along the world's: mass, quantum and tremor are along them, positions,
+    /// velocities and forces along the world's. `None`: the world's own. Those of its tool are the same
     /// ([`Tool::own_axes`](palpate_world::Tool::own_axes)).
     pub own_axes: Option<[Vector; 3]>,
     /// Effective mass along each axis, each above 0 `[kg]`; infinite along an axis that the device lacks

@@ -15,7 +15,8 @@ pub const RESTS_BELOW: f64 = 0.1;
 /// Force that presses a contact `[N]`.
 pub const PRESSED_WITH: f64 = 3.0;
 
-/// Force that presses a tapped contact, and the limit of its force, the default of a loop `[N]`. A blow is clipped by it.
+/// Force that presses a tapped contact, and the limit of its force, the default of a loop `[N]`. A blow is clipped by
+/// it.
 const TAPPED_WITH: f64 = 13.0;
 const FORCE_LIMIT: f64 = 20.0;
 
@@ -364,7 +365,8 @@ mod tests {
         }
     }
 
-    /// A blow on a clipped wall of kappa 1 ends, and one on a light object finds a swing that the mere pressure does not.
+    /// A blow on a clipped wall of kappa 1 ends, and one on a light object finds a swing that the mere pressure does
+    /// not.
     #[test]
     fn a_tap_shows_what_pressing_does_not() {
         let (mass, period) = (0.2, 1e-3);

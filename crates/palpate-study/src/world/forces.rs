@@ -124,9 +124,9 @@ impl<'a> Periods<'a> {
 }
 
 /// Writes a row per method, sample and device: its position and the commanded force, also the slope of that force if
-/// commands are lines, its orientation if it rotates, and its torque if it has one; then the mean force over the period from the sample, of its actuator and of
-/// the ideal, the ideal's position at the sample, and the ideal's mean torque. Cells beyond the ideal's window are
-/// empty.
+/// commands are lines, its orientation if it rotates, and its torque if it has one; then the mean force over the period
+/// from the sample, of its actuator and of the ideal, the ideal's position at the sample, and the ideal's mean torque.
+/// Cells beyond the ideal's window are empty.
 ///
 /// # Errors
 /// The writer fails.

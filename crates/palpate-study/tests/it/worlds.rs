@@ -248,7 +248,8 @@ fn on_a_recorded_motion_the_ideal_is_that_of_the_motion_and_coupled_is_nearer_to
     assert!(error(&run) > basic, "{}", error(&run));
 }
 
-/// The committed worlds of three axes, each by its file's name; `six_axes.rs` has the others, and `hard_worlds.rs` the bowl.
+/// The committed worlds of three axes, each by its file's name; `six_axes.rs` has the others, and `hard_worlds.rs` the
+/// bowl.
 fn committed() -> Vec<(String, String)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/worlds");
     let mut worlds: Vec<_> = std::fs::read_dir(folder)
@@ -417,8 +418,8 @@ fn of_two_meshes_the_points_of_the_smaller_one_touch() {
     assert!((alone - together).abs() < 1e-9, "{alone} {together}");
 }
 
-/// A point slides deep across an edge of a cube of triangles, where the force turns from the normal of one face to that of
-/// another. Without finer sub-steps there, E is 4 %.
+/// A point slides deep across an edge of a cube of triangles, where the force turns from the normal of one face to that
+/// of another. Without finer sub-steps there, E is 4 %.
 #[test]
 fn a_point_that_slides_across_a_sharp_edge_is_rendered_as_its_ideal_moves() {
     let source = r#"

@@ -171,8 +171,8 @@ impl LedPath {
         &self.positions
     }
 
-    /// Returns the position of the first device at a time `[m]`, its velocity after that time `[m/s]`, and the end of the
-    /// present line `[s]`, infinite from the last point on.
+    /// Returns the position of the first device at a time `[m]`, its velocity after that time `[m/s]`, and the end of
+    /// the present line `[s]`, infinite from the last point on.
     pub(super) fn line_from(&self, time: f64) -> (Vector, Vector, f64) {
         let here = self.at(time)[0];
         if time >= self.end() {

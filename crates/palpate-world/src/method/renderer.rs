@@ -269,8 +269,8 @@ impl WorldRenderer {
     }
 
     /// Replaces the last output on a tool by the force that was actually sent `[N]`, for example after saturation.
-    /// Its delay is that of the output, and a line becomes this constant. Non-finite values are ignored, and so are components along axes that the
-    /// device lacks.
+    /// Its delay is that of the output, and a line becomes this constant. Non-finite values are ignored, and so are
+    /// components along axes that the device lacks.
     pub fn report_sent(&self, state: &mut WorldState, tool: usize, mut force: Vector) {
         if let Some(axes) = self.axes.get(tool) {
             axes.keep(&mut force);

@@ -213,8 +213,8 @@ fn tell_doubts_of_world(name: &str, scene: &WorldScene) {
     }
 }
 
-/// Warns of a hand's rest along some axes, each with its `positions` `[m]` at `times` `[s]`, whose unit is probably wrong.
-/// `columns` says how to name the columns of a unit.
+/// Warns of a hand's rest along some axes, each with its `positions` `[m]` at `times` `[s]`, whose unit is probably
+/// wrong. `columns` says how to name the columns of a unit.
 fn tell_doubts_of_rest(
     at: &str,
     times: &[f64],

@@ -64,8 +64,8 @@ impl Reading {
 }
 
 impl Reading {
-    /// Rejects what a line hold excludes: a line lasts one nominal period, without a lag, and no motor limits it. Guards
-    /// bound constants, and torques are constants, of motors too.
+    /// Rejects what a line hold excludes: a line lasts one nominal period, without a lag, and no motor limits it.
+    /// Guards bound constants, and torques are constants, of motors too.
     pub fn refuse_beside_lines(&mut self, raw: &RawScene) {
         let timing = &raw.r#loop;
         if timing.hold.as_ref().map(Spanned::get_ref) != Some(&Hold::Line) {

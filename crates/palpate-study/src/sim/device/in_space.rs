@@ -86,8 +86,9 @@ impl Axis {
 }
 
 impl<C: Clock> SpatialDevice<C> {
-    /// Creates the device of a scene at the index `number`, and its hand. Its motors have the lag, the gain and the delay
-    /// of the scene, without a fraction of a period and the jitter of commands; its noise follows the seed of the scene.
+    /// Creates the device of a scene at the index `number`, and its hand. Its motors have the lag, the gain and the
+    /// delay of the scene, without a fraction of a period and the jitter of commands; its noise follows the seed of the
+    /// scene.
     ///
     /// # Errors
     /// There is no such device, or a quantity of the device, the hand or the motors is out of range.
@@ -186,7 +187,7 @@ impl<C: Clock> SpatialDevice<C> {
         }
     }
 
-    /// Turns on under the held torque, and lets go of the rotation when the hand does.
+    /// Advances the rotation under the held torque. The hand releases the rotation at its time.
     fn turn_on(&mut self, duration: Duration) {
         let Some(turning) = &mut self.turning else {
             return;
@@ -362,9 +363,9 @@ pub struct SpatialPointer<C> {
 
 impl<C: Clock> SpatialPointer<C> {
     /// The device of a scene at the index `number` in a pointer's hand: its masses, sensors, noise, motors and place at
-    /// the start are the scene's, and so are delay, lag and gain, as [`SpatialDevice::new`] has them. Its friction is that
-    /// of the scene, but at least that of [`PointerParams::default`], whose hand it has; the hand turns the device with the
-    /// stiffness and damping of the scene's hand, or 0.3 N m/rad.
+    /// the start are the scene's, and so are delay, lag and gain, as [`SpatialDevice::new`] has them. Its friction is
+    /// that of the scene, but at least that of [`PointerParams::default`], whose hand it has; the hand turns the device
+    /// with the stiffness and damping of the scene's hand, or 0.3 N m/rad.
     ///
     /// # Errors
     /// There is no such device, or a quantity is out of range.
@@ -514,8 +515,8 @@ fn device_of(scene: &WorldScene, number: usize) -> Result<&WorldDevice, InvalidP
     })
 }
 
-/// Returns the seed of each axis of a device: the axes that move count on from the scene's seed, over all devices, as in
-/// [`WorldPlant`](palpate_testbed::world::WorldPlant).
+/// Returns the seed of each axis of a device: the axes that move count on from the scene's seed, over all devices, as
+/// in [`WorldPlant`](palpate_testbed::world::WorldPlant).
 fn noise_seeds(scene: &WorldScene, number: usize) -> [u64; 3] {
     let axes = scene.devices.iter().flat_map(|device| {
         let axes = 0..device.mass.len();

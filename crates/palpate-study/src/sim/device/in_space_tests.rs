@@ -284,8 +284,8 @@ between = "*"
 stiffness_n_per_m = 1000.0
 "#;
 
-/// A device in a loop measures with the noise that its plant has on the bench: the numbers of the scene's seed, each axis of
-/// each device with its own. A pointer's device has that noise, too.
+/// A device in a loop measures with the noise that its plant has on the bench: the numbers of the scene's seed, each
+/// axis of each device with its own. A pointer's device has that noise, too.
 #[test]
 fn noise_follows_the_seed_and_the_number_of_the_device() {
     let mut first_noises = Vec::new();
@@ -359,7 +359,7 @@ fn a_pointer_s_device_has_the_friction_of_the_scene() {
     assert!((fastest - 0.5 / 3.0).abs() < 1e-9, "{fastest} m/s");
 }
 
-/// The hand lets go of the rotation when it lets go of the place: the device turns on as the plant of the bench.
+/// The hand releases the rotation and the position at the same time: the device then turns as on the bench.
 #[test]
 fn a_hand_releases_the_rotation_too() {
     let hand = "mass_kg = 0.15\nhand.rotational_stiffness_n_m_per_rad = 0.3\nhand.release_s = 0.0505\n\

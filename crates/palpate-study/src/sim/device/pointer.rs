@@ -94,8 +94,8 @@ impl Default for PointerParams {
 
 impl PointerParams {
     /// Returns the device of `scene` in a pointer's hand, with its mass, sensor, noise, motor, delay, lag, gain and
-    /// initial position. A fraction of a period and the jitter of commands are omitted. Its friction is that of the scene, but
-    /// at least that of [`default`](Self::default), so that a free device comes to rest.
+    /// initial position. A fraction of a period and the jitter of commands are omitted. Its friction is that of the
+    /// scene, but at least that of [`default`](Self::default), so that a free device comes to rest.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         let default = Self::default();

@@ -64,8 +64,8 @@ impl TurningWish {
         }
     }
 
-    /// `None`: as the device begins. Read while it is written, parts may be of two wishes, which follow each other within a
-    /// sixtieth of a second: a quaternion between the two, or of a device that is as it was.
+    /// `None`: as the device begins. Read while it is written, parts may be of two wishes, which follow each other
+    /// within a sixtieth of a second: a quaternion between the two, or of a device that is as it was.
     pub fn get(&self) -> Option<Quaternion> {
         let parts = [0, 1, 2, 3].map(|k: usize| f64::from_bits(self.0[k].load(Ordering::Acquire)));
         let length = parts.iter().map(|part| part * part).sum::<f64>().sqrt();

@@ -117,7 +117,8 @@ pub struct Refusal {
     pub time: f64,
     /// The fault.
     pub fault: WorldFault,
-    /// Whether a contact or joint is too fast for the finest sub-steps: see [`Effort::unstable`](palpate_world::Effort::unstable).
+    /// Whether a contact or joint is too fast for the finest sub-steps: see
+    /// [`Effort::unstable`](palpate_world::Effort::unstable).
     pub too_fast: bool,
 }
 
@@ -299,8 +300,8 @@ impl WorldBench {
         })
     }
 
-    /// Creates a bench from a converted scene, the timeline of its loop with perfect actuators, and the ideal on the grid
-    /// of that timeline.
+    /// Creates a bench from a converted scene, the timeline of its loop with perfect actuators, and the ideal on the
+    /// grid of that timeline.
     #[must_use]
     pub fn of(
         evaluated: palpate_testbed::world::WorldScene,
