@@ -149,6 +149,19 @@ fn open_as<C: Clock>(
             (device, Some(origin))
         }
     };
+    let is_simulated = matches!(
+        arguments.kind(),
+        DeviceName::Simulated | DeviceName::Pointer
+    );
+    let tool = &scene.world.tools[number];
+    if is_simulated && tool.mass_table.is_some() {
+        tell(format_args!(
+            "warning: the mass_table of {} is for the renderer and for `simulate`; the device {} has its mass at the \
+             start everywhere",
+            tool.name,
+            device.capabilities().name
+        ));
+    }
     warn_if_unguarded(device.as_ref(), arguments);
     let frame = placed::frame(arguments, device.capabilities(), usual, own.position)?;
     Ok(OpenedInWorld {
