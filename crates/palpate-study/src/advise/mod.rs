@@ -195,7 +195,7 @@ pub struct Evaluated {
     /// bounces that gain energy, whose rest is not simulated.
     pub resting_swing: Option<f64>,
     /// Standard deviation of the pressed force, relative to the pressing force: the larger one of a contact under 3 N,
-    /// and of one that is tapped with 13 N from 0.5 mm under a force limit of 20 N.
+    /// and of one that is tapped with 13 N from 0.2, 0.5 and 1 mm under a force limit of 20 N.
     pub pressed_swing: Option<f64>,
     /// Sustained contacts.
     #[serde(skip)]
