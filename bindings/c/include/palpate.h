@@ -704,7 +704,7 @@ typedef struct palpate_loop_params {
    */
   double delay;
   /*
-   Standard deviation of the delay, including its variation between commands [s].
+   Standard deviation of the delay, including its variation between commands [s], at most 8 periods.
    */
   double delay_deviation;
   /*
@@ -712,7 +712,7 @@ typedef struct palpate_loop_params {
    */
   double lag;
   /*
-   Standard deviation of the lag [s].
+   Standard deviation of the lag [s], at most 8 periods.
    */
   double lag_deviation;
   /*
@@ -720,7 +720,7 @@ typedef struct palpate_loop_params {
    */
   double gain;
   /*
-   Standard deviation of the gain.
+   Standard deviation of the gain, at most the gain.
    */
   double gain_deviation;
   /*

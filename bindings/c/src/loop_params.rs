@@ -54,15 +54,15 @@ pub struct LoopParams {
     pub slew_limit: f64,
     /// Delay from a sample to the start of its force [s], at most 8 periods. Default: 0.
     pub delay: f64,
-    /// Standard deviation of the delay, including its variation between commands [s].
+    /// Standard deviation of the delay, including its variation between commands [s], at most 8 periods.
     pub delay_deviation: f64,
     /// Time constant of the actuator [s]. Default: 0.
     pub lag: f64,
-    /// Standard deviation of the lag [s].
+    /// Standard deviation of the lag [s], at most 8 periods.
     pub lag_deviation: f64,
     /// Ratio of delivered to commanded force, greater than 0. Default: 1.
     pub gain: f64,
-    /// Standard deviation of the gain.
+    /// Standard deviation of the gain, at most the gain.
     pub gain_deviation: f64,
     /// Effective mass of the device at its end-point [kg], within a factor of 2; coupled rendering needs
     /// it. 0, the default: unknown. INFINITY: the device is position-driven by a recording.

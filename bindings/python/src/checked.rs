@@ -45,3 +45,5 @@ pub const NOT_NEGATIVE: [f64; 2] = [0.0, f64::INFINITY];
 pub const FACTOR: [f64; 2] = [1e-3, 1e3];
 /// Range of a time in periods.
 pub const PERIODS: [f64; 2] = [0.0, 100.0];
+/// Standard deviation of a delay or a lag, in periods of the loop.
+pub const DEVIATION: [f64; 2] = [0.0, palpate_core::LARGEST_DELAY as f64];

@@ -13,7 +13,7 @@ use palpate_study::map::{Forces, MapParams, compute, metadata};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::checked::{FACTOR, NOT_NEGATIVE, PERIODS, within};
+use crate::checked::{DEVIATION, FACTOR, NOT_NEGATIVE, PERIODS, within};
 use crate::fields::read;
 use crate::figures::drawn;
 use crate::interrupt::{Stop, interruptible};
@@ -80,13 +80,13 @@ fn params(method: &Bound<'_, PyAny>, arguments: &MapArguments) -> PyResult<MapPa
         delay_deviation: within(
             "delay_deviation_periods",
             arguments.delay_deviation_periods,
-            NOT_NEGATIVE,
+            DEVIATION,
             " periods",
         )?,
         lag_deviation: within(
             "lag_deviation_periods",
             arguments.lag_deviation_periods,
-            NOT_NEGATIVE,
+            DEVIATION,
             " periods",
         )?,
         model_period: within("model_period", arguments.model_period, FACTOR, "")?,

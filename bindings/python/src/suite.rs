@@ -10,8 +10,9 @@ use crate::methods::chosen;
 use crate::names::refused;
 use crate::studies::{Shown, threads};
 
-/// A score: plant, condition, column, and number of redraws of the plant; error of its reference solution, E and FRE `[%]`, FRE
-/// over the hold bound, peak over that of the reference; whether the loop diverged; samples, and limited samples.
+/// A score: plant, condition, column, and number of redraws of the plant; error of its reference solution, E and FRE
+/// `[%]`, FRE over the hold bound, peak over that of the reference; whether the loop diverged; samples, and limited
+/// samples.
 type Row = (
     (usize, usize, usize, u32),
     (f64, f64, f64, f64, f64),

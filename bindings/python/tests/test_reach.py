@@ -57,6 +57,10 @@ def test_what_cannot_be_mapped_is_said() -> None:
     for call, said in [
         (lambda: palpate.map("basic", cells=1), "a map has 2 to 1000 cells along each axis, not 1"),
         (lambda: palpate.map("basic", delay_periods=-1), "delay_periods is -1 periods, but must be 0 to 100"),
+        (
+            lambda: palpate.map("basic", lag_deviation_periods=9),
+            "lag_deviation_periods is 9 periods, but must be 0 to 8",
+        ),
         (lambda: palpate.map("basic", model_mass=0), "model_mass is 0, but must be 0.001 to 1000"),
         (lambda: palpate.map("basic", viscous_friction=math.nan), "viscous_friction is NaN N s/m, but must be finite and not below 0"),
         (lambda: palpate.map("basic", forces="none"), 'forces is "none", but must be "balanced" or "weight"'),

@@ -112,11 +112,16 @@ impl Space {
         let timing = &scene.timing;
         if !timing.is_perfect() || timing.actuator != ActuatorParams::default() {
             return Err(
-                "this page supports only worlds without delay and lag, and with a gain of 1".into(),
+                "this page supports only worlds without delay, lag, jitter and drops, and with a gain of 1"
+                    .into(),
             );
         }
         if !scene.loop_params().actuation.hold.is_constant() {
-            return Err("this page holds constant forces; set loop.hold = \"constant\"".into());
+            return Err(
+                "this page supports only constant forces, and loop.hold is \"line\"; set loop.hold = \"constant\", or \
+                 evaluate lines with palpate simulate"
+                    .into(),
+            );
         }
         if scene.devices.iter().any(|device| device.turning.is_some()) {
             return Err(

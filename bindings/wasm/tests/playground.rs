@@ -153,12 +153,15 @@ fn a_world_that_this_hand_cannot_lead_is_refused() {
         Ok(_) => panic!("taken"),
         Err(error) => error,
     };
-    let late = PINCH.replace("period_s = 0.001", "period_s = 0.001\ndelay_s = 0.002");
-    assert!(
-        refused(&late, &["basic"]).contains("without delay"),
-        "{}",
-        refused(&late, &["basic"])
-    );
+    for (key, words) in [
+        ("delay_s = 0.002", "without delay, lag, jitter and drops"),
+        ("jitter_s = 0.0002", "without delay, lag, jitter and drops"),
+        ("hold = \"line\"", "loop.hold is \"line\""),
+    ] {
+        let other = PINCH.replace("period_s = 0.001", &format!("period_s = 0.001\n{key}"));
+        let error = refused(&other, &["coupled"]);
+        assert!(error.contains(words), "{error}");
+    }
     assert!(refused(PINCH, &["nothing"]).contains("basic"));
     assert!(refused(PINCH, &["basic"; 3]).contains("1 or 2"));
     assert!(refused("format = 2", &["basic"]).contains("missing"));

@@ -48,8 +48,7 @@ pub fn worlds(watch: &mut Watch) {
         let mut forces = 0;
         for method in ["basic", "coupled"] {
             let clock = SteppedClock::new();
-            let own = &scene.devices[0];
-            let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone()).unwrap();
+            let device = SpatialDevice::new(&scene, 0, clock.clone()).unwrap();
             let world = rendered(&scene, method);
             let limits = SafetyParams::default();
             let (tap, mut listener) = tap(1000);
@@ -81,22 +80,22 @@ pub fn six_axes(watch: &mut Watch) {
         ("worlds/box.toml", 0),
     ] {
         let scene = with_points(name, points);
-        let (own, actuator) = (&scene.devices[0], scene.timing.actuator());
+        let at = scene.devices[0].position;
         for method in ["basic", "coupled"] {
             let clock = SteppedClock::new();
-            let device = SpatialDevice::new(own, &actuator, clock.clone()).unwrap();
+            let device = SpatialDevice::new(&scene, 0, clock.clone()).unwrap();
             let world = rendered(&scene, method);
             let mut control =
                 ControlLoop::of_world(device, clock, world, SafetyParams::default()).unwrap();
             turn(&mut control, name, watch, |_| {});
 
             let clock = SteppedClock::new();
-            let hand = SpatialHand::at(own.position);
-            let device = SpatialPointer::new(own, &actuator, &hand, clock.clone()).unwrap();
+            let hand = SpatialHand::at(at);
+            let device = SpatialPointer::new(&scene, 0, &hand, clock.clone()).unwrap();
             let world = rendered(&scene, method);
             let mut control =
                 ControlLoop::of_world(device, clock, world, SafetyParams::default()).unwrap();
-            let [x, y, z] = own.position;
+            let [x, y, z] = at;
             turn(&mut control, name, watch, |tick| match tick % 100 {
                 0 => hand.disable_output(),
                 10 => hand.move_to([x, y, z - 0.025]),
@@ -133,8 +132,7 @@ pub fn worlds_that_change(watch: &mut Watch) {
     ] {
         let scene = world_scene(name);
         let clock = SteppedClock::new();
-        let own = &scene.devices[0];
-        let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone()).unwrap();
+        let device = SpatialDevice::new(&scene, 0, clock.clone()).unwrap();
         let (mut worlds, world) = changing_world(scene.world.clone(), rendered(&scene, "coupled"));
         let limits = SafetyParams::default();
         let mut control = ControlLoop::of_changing_world(device, clock, world, limits).unwrap();
@@ -167,7 +165,7 @@ pub fn a_slow_host(watch: &mut Watch) {
     let scene = world_scene("worlds-on-devices/ball-on-table.toml");
     let clock = SteppedClock::new();
     let own = &scene.devices[0];
-    let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone()).unwrap();
+    let device = SpatialDevice::new(&scene, 0, clock.clone()).unwrap();
     let tool = Tool::new("tool", Shape::Sphere { radius: 0.01 });
     let renderer = LocalRenderer::new(
         &[tool],

@@ -6,8 +6,8 @@
 //! scripts/nightly sanitizer                               RealtimeSanitizer
 //! ```
 //!
-//! All three check the same [`situations`], and each has to detect its share of the [`misdeeds`]. docs/realtime-design.md
-//! describes the limits of each check.
+//! All three check the same [`situations`], and each has to detect its share of the [`misdeeds`].
+//! docs/realtime-design.md describes the limits of each check.
 
 mod hostile;
 mod in_worlds;

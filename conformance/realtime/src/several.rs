@@ -36,10 +36,8 @@ pub fn a_pinch(watch: &mut Watch) {
     let scene = world_scene("worlds/pinch.toml");
     for method in ["basic", "coupled"] {
         let clock = SteppedClock::new();
-        let devices = [0, 1].map(|device| {
-            let own = &scene.devices[device];
-            SpatialDevice::new(own, &scene.timing.actuator(), clock.clone()).unwrap()
-        });
+        let devices =
+            [0, 1].map(|device| SpatialDevice::new(&scene, device, clock.clone()).unwrap());
         let (tap, listener) = tap(10_000);
         let limits = SafetyParams::default();
         let mut control = two(&scene, method, devices, clock, limits).tapped(tap);

@@ -16,8 +16,8 @@ fn a_tick_makes_no_call_that_may_block() {
     }
 }
 
-/// The call by which each misdeed is detected. docs/realtime-design.md lists the undetected ones: a free lock makes no call of
-/// the C library, and the sanitizer does not intercept the sleep calls of `std` and of the loop's clock.
+/// The call by which each misdeed is detected. docs/realtime-design.md lists the undetected ones: a free lock makes no
+/// call of the C library, and the sanitizer does not intercept the sleep calls of `std` and of the loop's clock.
 #[test]
 fn it_finds_what_the_documents_say_it_finds() {
     let found_by = |misdeed| match misdeed {

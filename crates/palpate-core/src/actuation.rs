@@ -74,11 +74,12 @@ pub struct Actuation<S> {
     pub lag: S,
     /// Ratio of delivered to commanded force, greater than 0.
     pub gain: S,
-    /// Standard deviation of the delay, including its variation between commands `[s]`.
+    /// Standard deviation of the delay, including its variation between commands, at most [`LARGEST_DELAY`] periods
+    /// `[s]`.
     pub delay_deviation: S,
-    /// Standard deviation of the lag `[s]`.
+    /// Standard deviation of the lag, at most [`LARGEST_DELAY`] periods `[s]`.
     pub lag_deviation: S,
-    /// Standard deviation of the gain.
+    /// Standard deviation of the gain, at most the gain.
     pub gain_deviation: S,
     /// Flexible transmission between the motor and the rest of the device, if known.
     pub transmission: Option<Transmission<S>>,
@@ -193,25 +194,32 @@ impl<S: Scalar> Actuation<S> {
 
     /// Returns every parameter outside its range, in a loop of `period` `[s]`.
     pub(crate) fn faults(&self, period: S) -> impl Iterator<Item = ParameterError> {
-        let periods = self.delay / period;
         let most = S::from_f64(LARGEST_DELAY as f64 + WHOLE_WITHIN);
-        let known = periods >= S::ZERO && periods <= most;
         // With an invalid period, the number of periods is meaningless.
         let evaluated = period.is_finite() && period > S::ZERO;
-        let not_negative = |parameter: Parameter, value: S| parameter.not_negative(value).err();
+        let in_periods = |parameter: Parameter, value: S| {
+            let periods = value / period;
+            let known = periods >= S::ZERO && periods <= most;
+            let allowed = Allowed::UpToPeriods(LARGEST_DELAY);
+            parameter.unless(known || !evaluated, value, allowed).err()
+        };
+        let deviation = self.gain_deviation;
+        // An invalid gain is reported itself.
+        let gain = self.gain;
+        let is_part = deviation <= gain || !(gain.is_finite() && gain > S::ZERO);
         [
-            Parameter::Delay
+            in_periods(Parameter::Delay, self.delay),
+            Parameter::Lag.not_negative(self.lag).err(),
+            Parameter::Gain.positive(self.gain).err(),
+            in_periods(Parameter::DelayDeviation, self.delay_deviation),
+            in_periods(Parameter::LagDeviation, self.lag_deviation),
+            Parameter::GainDeviation
                 .unless(
-                    known || !evaluated,
-                    self.delay,
-                    Allowed::UpToPeriods(LARGEST_DELAY),
+                    deviation >= S::ZERO && deviation.is_finite() && is_part,
+                    deviation,
+                    Allowed::Words("from 0 to the gain"),
                 )
                 .err(),
-            not_negative(Parameter::Lag, self.lag),
-            Parameter::Gain.positive(self.gain).err(),
-            not_negative(Parameter::DelayDeviation, self.delay_deviation),
-            not_negative(Parameter::LagDeviation, self.lag_deviation),
-            not_negative(Parameter::GainDeviation, self.gain_deviation),
             Parameter::Lag
                 .unless(
                     self.hold == Hold::Constant || self.lag <= S::ZERO || !self.lag.is_finite(),

@@ -238,8 +238,8 @@ impl<S: Scalar> Actuator<S> {
         }
     }
 
-    /// Returns the part of [`Uneven::course`] in an interval of `h` `[s]` by a response from `begins` to `ends` `[s]` that
-    /// starts at a distance of `off` from its final value `[N]`, after a step of `jump` `[N]`.
+    /// Returns the part of [`Uneven::course`] in an interval of `h` `[s]` by a response from `begins` to `ends` `[s]`
+    /// that starts at a distance of `off` from its final value `[N]`, after a step of `jump` `[N]`.
     fn course(&self, [begins, ends, h]: [S; 3], off: S, jump: S) -> S {
         // A change df at s contributes |df| s (h - s)/2.
         let at_begin = begins * (h - begins);
@@ -526,8 +526,8 @@ impl<S: Scalar> UnderWay<S> {
         }
     }
 
-    /// Replaces the command of the last sample by the force that the driver sent: its mean over one period `[N]`, and its
-    /// slope `[N/s]`.
+    /// Replaces the command of the last sample by the force that the driver sent: its mean over one period `[N]`, and
+    /// its slope `[N/s]`.
     pub fn correct(&mut self, sent: S, slope: S) {
         if let Some(newest) = self.commands.get_mut(usize::from(self.newest)) {
             newest.command.sent = sent;

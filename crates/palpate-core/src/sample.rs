@@ -171,8 +171,8 @@ pub struct Output<S> {
     pub force_on_device: S,
     /// The same force on the object `[N]`, opposite in sign: f of the paper.
     pub force_on_object: S,
-    /// Slope s of the force on the device `[N/s]`: the actuator holds `force_on_device + s (t - T/2)` for t from 0 to the
-    /// nominal period T. 0 unless the loop has a line [`Hold`](crate::Hold).
+    /// Slope s of the force on the device `[N/s]`: the actuator holds `force_on_device + s (t - T/2)` for t from 0 to
+    /// the nominal period T. 0 unless the loop has a line [`Hold`](crate::Hold).
     pub slope_on_device: S,
     /// Position of the object at this sample `[m]`. `coupled` includes the proxy offset, so that the device penetrates
     /// the object as deep as the proxy. A wall therefore moves too, until the offset has decayed.

@@ -114,10 +114,10 @@ pub trait Device: Send {
     /// Those of [`read`](Self::read). The held force is then unknown.
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError>;
 
-    /// Commands `line` on the end-point, from now on, and returns what is held, as [`write`](Self::write) does. A driver
-    /// that clamps returns a line whose two ends are within its limits. When the line is over and no other command has
-    /// come, the device holds its last value. Called only with [`Capabilities::holds_lines`]; by default the mean is
-    /// written as a constant, and returned.
+    /// Commands `line` on the end-point, from now on, and returns what is held, as [`write`](Self::write) does. A
+    /// driver that clamps returns a line whose two ends are within its limits. When the line is over and no other
+    /// command has come, the device holds its last value. Called only with [`Capabilities::holds_lines`]; by default
+    /// the mean is written as a constant, and returned.
     ///
     /// # Errors
     /// Those of [`read`](Self::read). The held force is then unknown.
@@ -127,7 +127,8 @@ pub trait Device: Send {
 
     /// Returns the part of the last command that is sent to the motors, if it differs from the result of
     /// [`write`](Self::write) or [`write_line`](Self::write_line). A device that models its delay returns the
-    /// currently held line from these, and the line held later from this function. `None`, the default: the result of these.
+    /// currently held line from these, and the line held later from this function. `None`, the default: the result of
+    /// these.
     fn last_sent(&self) -> Option<Line> {
         None
     }

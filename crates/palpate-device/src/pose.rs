@@ -73,8 +73,8 @@ impl Wrench {
     }
 }
 
-/// A wrench whose force follows a straight line over a period: `force + slope (t - duration/2)`, with t the time since the
-/// line began. After `duration` it keeps its last value until the next command. A constant has no slope.
+/// A wrench whose force follows a straight line over a period: `force + slope (t - duration/2)`, with t the time since
+/// the line began. After `duration` it keeps its last value until the next command. A constant has no slope.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Line {
     /// Mean of the wrench over `duration`.

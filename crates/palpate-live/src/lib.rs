@@ -6,8 +6,8 @@
 //! Live web page for a running loop.
 //!
 //! A [`Session`] runs one or two loops and receives their ticks. A [`Server`] serves a page that shows them, moves the
-//! hand and changes the rendering. `docs/reference/live-protocol.md` describes the protocol between page and server. The
-//! loops never wait for either.
+//! hand and changes the rendering. `docs/reference/live-protocol.md` describes the protocol between page and server.
+//! The loops never wait for either.
 //!
 //! Without the feature `server` the crate has only the protocol: [`message`], [`rows`] and [`Settings`], for a loop
 //! that runs in the page itself.

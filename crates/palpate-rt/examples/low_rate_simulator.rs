@@ -139,7 +139,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (slow, world) = local_world(renderer, WorldFrame::the_same())?;
     let scene = WorldFile::parse("device", DEVICE)?.scene;
     let clock = MonotonicClock::new();
-    let device = SpatialDevice::new(&scene.devices[0], &scene.timing.actuator(), clock)?;
+    let device = SpatialDevice::new(&scene, 0, clock)?;
     let mut control = ControlLoop::of_local_world(device, clock, world, SafetyParams::default())?;
     let is_over = AtomicBool::new(false);
     scope(|threads| -> Result<(), Box<dyn Error>> {

@@ -520,7 +520,8 @@ impl<D: Device> Devices<D> {
         self.each(|driven| driven.disable_output(clock));
     }
 
-    /// Commands zero force through the zero writers of the devices, in the same manner as [`disable_output`](Self::disable_output).
+    /// Commands zero force through the zero writers of the devices, in the same manner as
+    /// [`disable_output`](Self::disable_output).
     ///
     /// # Panics
     /// A device panicked; all devices have been commanded by then.

@@ -57,9 +57,9 @@ impl Fade {
     }
 
     /// Adds the fading difference to the requested wrenches and writes the sum to `held`, which contains the
-    /// previously held wrenches. `before`: wrench of a device requested by the world before the change, if known. `elapsed`:
-    /// time since the previous sample `[s]`. Returns whether a fade was active: then the limits of the world have not
-    /// been applied to the sum.
+    /// previously held wrenches. `before`: wrench of a device requested by the world before the change, if known.
+    /// `elapsed`: time since the previous sample `[s]`. Returns whether a fade was active: then the limits of the world
+    /// have not been applied to the sum.
     pub fn answer(
         &mut self,
         asked: impl Iterator<Item = Wrench>,

@@ -73,6 +73,15 @@ impl Delay {
         }
     }
 
+    /// Returns this delay without a fraction of a period on top of whole samples.
+    #[must_use]
+    pub fn without_fraction(self) -> Self {
+        match self {
+            Self::Periods { samples, .. } => Self::samples(samples),
+            Self::Seconds(_) => self,
+        }
+    }
+
     /// The part of a period on top of whole samples; none of a time.
     #[must_use]
     pub fn fraction(self) -> f64 {

@@ -24,8 +24,8 @@ pub struct Edit {
 }
 
 impl Edit {
-    /// Reads `KEY=VALUE`. The value is TOML, or a word, which is a string. An empty value removes the key. Errors in the
-    /// edit call it `flag` with that text.
+    /// Reads `KEY=VALUE`. The value is TOML, or a word, which is a string. An empty value removes the key. Errors in
+    /// the edit call it `flag` with that text.
     ///
     /// # Errors
     /// The text has no key, or its value is neither.

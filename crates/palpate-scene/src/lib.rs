@@ -2,8 +2,8 @@
 //!
 //! # Overview
 //!
-//! Scene files: devices with their hands, bodies, contacts, a loop and a renderer. The module [`method`] has the methods
-//! by name, with their settings.
+//! Scene files: devices with their hands, bodies, contacts, a loop and a renderer. The module [`method`] has the
+//! methods by name, with their settings.
 //!
 //! A scene file is TOML with a format version. Every quantity is SI and has its unit in its key. Unknown keys are
 //! errors. The scene alone decides who renders it: the closed form, if it has one contact along one axis, or the world

@@ -35,8 +35,8 @@ pub struct Model {
     pub transmission: Option<Transmission<f64>>,
 }
 
-/// The quantum `[m]` of a sensor whose rounding errors have the standard deviation `noise` `[m]`. Rounding errors are spread
-/// evenly over the quantum, so the quantum is √12 times the deviation.
+/// The quantum `[m]` of a sensor whose rounding errors have the standard deviation `noise` `[m]`. Rounding errors are
+/// spread evenly over the quantum, so the quantum is √12 times the deviation.
 #[must_use]
 pub fn quantum_of(noise: f64) -> f64 {
     12.0_f64.sqrt() * noise

@@ -3,8 +3,8 @@
 /// Period above which its unit is likely to be milliseconds `[s]`.
 const LONGEST_USUAL: f64 = 0.25;
 
-/// The question whether a period `[s]`, called `name`, is in milliseconds; none if a haptic loop may have it. `usual` is how
-/// a period of 1 ms is written.
+/// The question whether a period `[s]`, called `name`, is in milliseconds; none if a haptic loop may have it. `usual`
+/// is how a period of 1 ms is written.
 #[must_use]
 pub fn period_question(name: &str, usual: &str, period: f64) -> Option<String> {
     (period > LONGEST_USUAL && period.is_finite()).then(|| {

@@ -26,7 +26,7 @@ pub(crate) struct RawRender {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RawGuard {
-    pub mode: GuardMode,
+    pub mode: Spanned<GuardMode>,
     pub speed_m_per_s: Option<Spanned<f64>>,
     pub turning_rad_per_s: Option<Spanned<f64>>,
     pub allowance_j: Option<Spanned<f64>>,
@@ -60,7 +60,7 @@ impl RawRender {
             let mut bound = |of: Parameter, value: Option<Spanned<f64>>| {
                 value.map(|value| places.take(of, value))
             };
-            guard.mode.guard(GuardBounds {
+            guard.mode.get_ref().guard(GuardBounds {
                 speed: bound(Parameter::GuardSpeed, guard.speed_m_per_s),
                 allowance: bound(Parameter::GuardAllowance, guard.allowance_j),
                 acceleration: bound(Parameter::GuardAcceleration, guard.acceleration_m_per_s2),

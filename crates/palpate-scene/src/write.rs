@@ -75,7 +75,8 @@ struct File {
 
 /// Tables of a scene.
 impl File {
-    /// Writes `[[body]]` and `[[contact]]`, with the object's state, its radius `[m]` and the virtual force on it `[N]`.
+    /// Writes `[[body]]` and `[[contact]]`, with the object's state, its radius `[m]` and the virtual force on it
+    /// `[N]`.
     fn body_tables(
         &mut self,
         contact: Contact<f64>,

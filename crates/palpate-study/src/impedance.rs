@@ -67,9 +67,9 @@ pub struct FeltImpedance {
 }
 
 impl Bounce {
-    /// Returns the impedance of this contact at `frequency` `[Hz]`, rendered by `method` and pressed with 3 N; `None` if
-    /// the renderer rejects a sample or the contact opens, so that there is no steady oscillation. The forces that drive
-    /// device and object together, and the gap, have no effect.
+    /// Returns the impedance of this contact at `frequency` `[Hz]`, rendered by `method` and pressed with 3 N; `None`
+    /// if the renderer rejects a sample or the contact opens, so that there is no steady oscillation. The forces that
+    /// drive device and object together, and the gap, have no effect.
     ///
     /// # Errors
     /// The bench or the method rejects a parameter.

@@ -10,7 +10,8 @@
 //! scene. [`suite`] evaluates methods on random plants. [`map`] computes which contacts can be rendered, and
 //! [`advise`] whether one device can render one contact, and [`impedance`] what a hand
 //! feels in it. [`claims`] checks the numbers of the paper. [`calibrate`]
-//! measures the parameters of a device, [`calibrated`] calibrates the device of a scene, and [`hand_replay`] replays a recorded hand under another force.
+//! measures the parameters of a device, [`calibrated`] calibrates the device of a scene, and [`hand_replay`] replays a
+//! recorded hand under another force.
 //!
 //! Reports are types: [`report::Report`] of runs, [`compare::Comparison`] of runs on several scenes, the reports of
 //! the studies (for example `tune::report`), [`recording::report`] of a recording, [`calibration`] of a calibration,

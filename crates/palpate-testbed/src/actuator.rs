@@ -12,8 +12,8 @@
 //! A [`DevicePlant`] moves under held forces. A settling force is therefore delivered in pieces. Each piece is held in
 //! two halves that have the impulse and the first moment of the exponential. At the end of each piece a mass under
 //! constant forces has the position, velocity and port work that the exponential would have produced. A device whose
-//! forces depend on its motion sees a second-moment error; the pieces are short against all of its rates. A linear device
-//! computes its response to all pieces once ([`DevicePlant::advance_settling`]).
+//! forces depend on its motion sees a second-moment error; the pieces are short against all of its rates. A linear
+//! device computes its response to all pieces once ([`DevicePlant::advance_settling`]).
 
 use crate::InvalidParameter;
 use crate::device::DevicePlant;
@@ -132,11 +132,11 @@ impl Actuator {
         }
     }
 
-    /// Moves `device` on for `duration` `[s]` while a line is held at the input of this actuator, with a mean of `command`
-    /// `[N]` over this duration and a `slope` `[N/s]`. A line is delivered without a lag.
+    /// Moves `device` on for `duration` `[s]` while a line is held at the input of this actuator, with a mean of
+    /// `command` `[N]` over this duration and a `slope` `[N/s]`. A line is delivered without a lag.
     ///
-    /// Each piece is held in two halves with its impulse and first moment. A mass under constant forces then ends with the
-    /// position, velocity and port work of the line.
+    /// Each piece is held in two halves with its impulse and first moment. A mass under constant forces then ends with
+    /// the position, velocity and port work of the line.
     pub fn drive_line(
         &mut self,
         device: &mut impl DevicePlant,

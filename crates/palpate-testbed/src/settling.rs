@@ -51,7 +51,8 @@ pub(crate) struct Settling {
     position: f64,
     /// Change of the velocity `[m/(N s)]`.
     velocity: f64,
-    /// Integral of e^(−t/τ) ξ′ per position, velocity and acceleration at the start, and per newton of the force itself.
+    /// Integral of e^(−t/τ) ξ′ per position, velocity and acceleration at the start, and per newton of the force
+    /// itself.
     work: [f64; 4],
 }
 

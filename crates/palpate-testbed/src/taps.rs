@@ -18,8 +18,8 @@ const REACHES: [(f64, f64); 10] = [
     (-0.030, 0.40),
 ];
 
-/// Minimum-jerk reaches with an 8 Hz tremor of 0.2 mm, seen through an encoder of 2 um at 2 kHz: times `[s]` from 0 on, and positions
-/// `[m]` from -0.03 to 0.022.
+/// Minimum-jerk reaches with an 8 Hz tremor of 0.2 mm, seen through an encoder of 2 um at 2 kHz: times `[s]` from 0 on,
+/// and positions `[m]` from -0.03 to 0.022.
 #[must_use]
 pub fn taps() -> (Vec<f64>, Vec<f64>) {
     let (mut times, mut positions) = (Vec::new(), Vec::new());

@@ -26,8 +26,8 @@ impl PhysicsHooks for WithoutTool {
 
 /// Contacts of a tool with bodies of a [`PhysicsWorld`], in a loop with a device.
 ///
-/// What else accelerates a body, its weight and its other contacts, the engine does not say beforehand: it is taken to go on
-/// as it went from the step before the last to the last one.
+/// What else accelerates a body, its weight and its other contacts, the engine does not say beforehand: it is taken to
+/// go on as it went from the step before the last to the last one.
 pub struct Contact {
     renderer: EngineRenderer,
     state: EngineState,
@@ -42,8 +42,8 @@ struct Touched {
     theirs: (Vector, Vector),
     /// Velocity that it would have after the step if nothing but our wrench acted `[m/s]`, `[rad/s]`.
     expected: (Vector, Vector),
-    /// Acceleration by everything else in the last step and in the one before it `[m/s^2]`, `[rad/s^2]`; none before the
-    /// first.
+    /// Acceleration by everything else in the last step and in the one before it `[m/s^2]`, `[rad/s^2]`; none before
+    /// the first.
     others: Option<[(Vector, Vector); 2]>,
 }
 
@@ -139,7 +139,8 @@ impl Touched {
         }
     }
 
-    /// The body as palpate wants to know it. Its reference point is the centre of mass: the engine takes torques about it.
+    /// The body as palpate wants to know it. Its reference point is the centre of mass: the engine takes torques about
+    /// it.
     fn look(&self, world: &PhysicsWorld) -> BodyNow {
         let body = &world.bodies[self.handle];
         let turned = body.rotation();

@@ -1,7 +1,8 @@
 //! Contact with the bodies of the physics engine Rapier: a hand pushes a cube over a floor.
 //!
 //! The engine moves the cube and keeps its contact with the floor; the contact of the tool is palpate's. `cargo run
-//! --release` prints what the hand feels, `cargo run --release --bin table` how near contacts are to the ideal, `cargo test
+//! --release` prints what the hand feels, `cargo run --release --bin table` how near contacts are to the ideal, `cargo
+//! test
 //! --release` tests the way into the engine and out of it.
 
 use palpate_example_rapier::contact::{Contact, WithoutTool};

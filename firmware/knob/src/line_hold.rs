@@ -20,7 +20,7 @@ pub struct LineHoldParams {
     pub period: f32,
     /// Duration of a line in ticks: the period of the host.
     pub ticks: u32,
-    /// Ticks from the sample to the beginning of its line. The host has this delay in its model.
+    /// Ticks from the sample to the beginning of its line, at most `2 ticks`. The host has this delay in its model.
     pub lead: u32,
     /// Ticks after the end of a line from which a silent host's force is 0.
     pub silent_after: u32,
@@ -38,7 +38,8 @@ pub struct LineHoldParams {
 pub struct LineHold {
     params: LineHoldParams,
     line: Option<HostLine>,
-    next: Option<HostLine>,
+    /// Lines that begin later, in their order.
+    next: [Option<HostLine>; 2],
     /// Factor of the soft start on the force, 0 to 1.
     share: f32,
 }
@@ -49,21 +50,29 @@ impl LineHold {
         Self {
             params,
             line: None,
-            next: None,
+            next: [None; 2],
             share: 0.0,
         }
     }
 
-    /// Takes a message of the host.
+    /// Takes a message of the host, which waits behind the one before it. Two can wait; a third replaces the second.
     pub fn take(&mut self, line: HostLine) {
-        self.next = Some(line);
+        let [first, second] = &mut self.next;
+        if first.is_none() {
+            *first = Some(line);
+        } else {
+            *second = Some(line);
+        }
     }
 
     /// Returns the duty of the period that begins with the tick after `tick`. It does not panic or wait.
     pub fn tick(&mut self, tick: u32) -> i16 {
         let begins = tick.wrapping_add(1);
-        if self.next.is_some_and(|next| self.age(&next, begins) >= 0) {
-            self.line = self.next.take();
+        for _ in 0..self.next.len() {
+            let [first, second] = self.next;
+            if first.is_some_and(|first| self.age(&first, begins) >= 0) {
+                (self.line, self.next) = (first, [second, None]);
+            }
         }
         let Some(line) = self.line else {
             return 0;
@@ -166,6 +175,32 @@ mod tests {
         assert_eq!(hold.tick(15), expected(6));
         assert_eq!(hold.tick(16), expected(7));
         assert_eq!(hold.tick(17), 250);
+    }
+
+    /// A line that waits is not lost when the next message arrives before it begins.
+    #[test]
+    fn every_line_is_held_with_a_lead_longer_than_a_line() {
+        for lead in [PARAMS.ticks, PARAMS.ticks + 3, 2 * PARAMS.ticks] {
+            let mut hold = LineHold::new(LineHoldParams { lead, ..PARAMS });
+            for tick in 0..64 {
+                if tick % PARAMS.ticks == 0 {
+                    hold.take(HostLine {
+                        mean: (tick / PARAMS.ticks) as f32,
+                        slope: 0.0,
+                        ..line(tick)
+                    });
+                }
+                let number = (tick + 1).saturating_sub(lead) / PARAMS.ticks;
+                let expected = PARAMS.drive.duty(number as f32);
+                assert_eq!(hold.tick(tick), expected, "lead {lead}, tick {tick}");
+            }
+        }
+        // Of two messages that arrive together the older one is held until the newer one begins.
+        let mut hold = LineHold::new(PARAMS);
+        hold.take(line(0));
+        hold.take(line(8));
+        assert_eq!(hold.tick(8), expected(7));
+        assert_eq!(hold.tick(9), expected(0));
     }
 
     #[test]

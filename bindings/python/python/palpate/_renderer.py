@@ -43,11 +43,11 @@ class Renderer(Fixed, _palpate.Renderer):
         guard_recovery: Power by which the guard forgives energy that may have been given out unnoticed, in the quanta of
             the sensor or by a force that changes between samples [W]; `None`: 0.02.
         delay: Time from a sample to the beginning of its force [s], at most 8 periods.
-        delay_deviation: Standard deviation of the delay [s].
+        delay_deviation: Standard deviation of the delay [s], at most 8 periods.
         lag: Time constant of the actuator [s].
-        lag_deviation: Standard deviation of the lag [s].
+        lag_deviation: Standard deviation of the lag [s], at most 8 periods.
         gain: Ratio of delivered to commanded force.
-        gain_deviation: Standard deviation of the gain.
+        gain_deviation: Standard deviation of the gain, at most the gain.
         hold: What the actuator holds over a period: `"constant"`, or `"line"`, for which a step returns the mean and
             `output.slope_on_device` is the slope. Lines require `coupled`, and exclude a lag, a slew limit and a guard.
         encoder_quantum: Quantum of the device's position sensor [m]; 0: unknown or none.

@@ -205,8 +205,8 @@ def map(
         model_period: Ratio of the model value of the period to the true period.
         delay_periods: Time from a sample to the beginning of its force [periods].
         lag_periods: Time constant of the actuator [periods].
-        delay_deviation_periods: Standard deviation of the delay in the renderer's model [periods].
-        lag_deviation_periods: Standard deviation of the lag in the renderer's model [periods].
+        delay_deviation_periods: Standard deviation of the delay in the renderer's model, at most 8 [periods].
+        lag_deviation_periods: Standard deviation of the lag in the renderer's model, at most 8 [periods].
         forces: Forces that press device and object together: `"balanced"` or `"weight"`.
 
     Returns:
@@ -250,8 +250,8 @@ def advise(
         encoder_quantum: Quantum of the position sensor [m]; `None`: that of `device_file`, or 0.
         delay: Time from a sample to the beginning of its force [s]; `None`: that of `device_file`, or 0.
         lag: Time constant of the actuator [s]; `None`: that of `device_file`, or 0.
-        delay_deviation: Standard deviation of the delay [s]; `None`: that of `device_file`, or 0.
-        lag_deviation: Standard deviation of the lag [s]; `None`: that of `device_file`, or 0.
+        delay_deviation: Standard deviation of the delay [s], at most 8 periods; `None`: that of `device_file`, or 0.
+        lag_deviation: Standard deviation of the lag [s], at most 8 periods; `None`: that of `device_file`, or 0.
         device_file: A device file of `palpate calibrate`, or a `palpate.Calibration`.
 
     Returns:

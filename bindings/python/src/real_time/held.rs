@@ -10,8 +10,8 @@ use palpate_device::{Capabilities, Device, DeviceError, Line, Pose, Vector, Wren
 pub struct Held(Arc<[AtomicU64; 3]>);
 
 impl Held {
-    /// Returns the force, of a line its mean `[N]`; NaN if the device did not confirm the last command. Each component is atomic on its
-    /// own.
+    /// Returns the force, of a line its mean `[N]`; NaN if the device did not confirm the last command. Each component
+    /// is atomic on its own.
     pub fn force(&self) -> Vector {
         [0, 1, 2].map(|axis| f64::from_bits(self.0[axis].load(Ordering::Acquire)))
     }

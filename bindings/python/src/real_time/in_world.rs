@@ -7,7 +7,7 @@ use palpate_device::{Capabilities, Device, Vector};
 use palpate_haply::inverse3::Inverse3;
 use palpate_haply::prepared::{WorldPlaceError, world_frame};
 use palpate_rt::{OnDevice, RenderedWorld, WorldAxis, WorldFrame};
-use palpate_scene::world::{WorldActuator, WorldDevice};
+use palpate_scene::world::{WorldDevice, WorldScene};
 use palpate_study::device_loop::NotRendered;
 use palpate_study::sim::device::{SpatialDevice, SpatialHand, SpatialPointer};
 use pyo3::exceptions::PyOSError;
@@ -121,18 +121,20 @@ pub fn open(
     let mut identity = None;
     let (device, frame): (Box<dyn Device>, _) = match kind.as_str() {
         "simulated-in-world" => {
-            let (own, actuator) = own_device(given, name)?;
-            let device = SpatialDevice::new(&own, &actuator, clock);
+            let (scene, number) = own_device(given, name)?;
+            let device = SpatialDevice::new(&scene, number, clock);
             let device = device.map_err(|error| wrong_on_bench(&error))?;
-            let frame = Standing::nowhere().frame(device.capabilities(), None, own.position)?;
+            let at = scene.devices[number].position;
+            let frame = Standing::nowhere().frame(device.capabilities(), None, at)?;
             (Box::new(device), frame)
         }
         "pointer-in-world" => {
             let hand: Py<HandInWorld> = given.as_any().get_item("hand")?.extract()?;
-            let (own, actuator) = own_device(given, name)?;
-            let device = SpatialPointer::new(&own, &actuator, &hand.get().0, clock);
+            let (scene, number) = own_device(given, name)?;
+            let device = SpatialPointer::new(&scene, number, &hand.get().0, clock);
             let device = device.map_err(|error| wrong_on_bench(&error))?;
-            let frame = Standing::nowhere().frame(device.capabilities(), None, own.position)?;
+            let at = scene.devices[number].position;
+            let frame = Standing::nowhere().frame(device.capabilities(), None, at)?;
             (Box::new(device), frame)
         }
         "haply-2diy" => {
@@ -176,15 +178,14 @@ pub fn open(
     })
 }
 
-/// Returns device and actuator of the world that a simulated device belongs to: its only device, or the device named in
-/// `given`, or by default the device called `name`.
-fn own_device(given: &Bound<'_, PyDict>, name: &str) -> PyResult<(WorldDevice, WorldActuator)> {
+/// Returns the scene that a simulated device belongs to with the index of the device: its only one, or the one named in
+/// `given`, or by default the one called `name`.
+fn own_device(given: &Bound<'_, PyDict>, name: &str) -> PyResult<(WorldScene, usize)> {
     let world = given.as_any().get_item("world")?;
     let world = world.cast::<PyWorld>()?.borrow();
     let scene = world.scene();
-    let actuator = scene.timing.actuator();
-    if let [own] = &scene.devices[..] {
-        return Ok((own.clone(), actuator));
+    if scene.devices.len() == 1 {
+        return Ok((scene.clone(), 0));
     }
     let said: Option<String> = given
         .get_item("device")?
@@ -192,14 +193,13 @@ fn own_device(given: &Bound<'_, PyDict>, name: &str) -> PyResult<(WorldDevice, W
         .transpose()?
         .flatten();
     let name = said.as_deref().unwrap_or(name);
-    let mut tools = scene.world.tools.iter().zip(&scene.devices);
-    let found = tools.find(|(tool, _)| tool.name == name);
-    let (_, own) = found.ok_or_else(|| {
+    let mut tools = scene.world.tools.iter();
+    let number = tools.position(|tool| tool.name == name).ok_or_else(|| {
         refused(format!(
             "the world of the simulated device has no device called \"{name}\""
         ))
     })?;
-    Ok((own.clone(), actuator))
+    Ok((scene.clone(), number))
 }
 
 /// Returns the rendering of a world on these devices, with limits within those of the devices.

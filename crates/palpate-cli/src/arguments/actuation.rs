@@ -17,19 +17,20 @@ pub struct ActuationFlags {
     /// The same in periods; may be fractional
     #[arg(long, value_name = "PERIODS", value_parser = periods, allow_hyphen_values = true)]
     pub delay_periods: Option<f64>,
-    /// Standard deviation of the delay, including its changes from command to command [s] [default: 0, or the scene's]
+    /// Standard deviation of the delay, including its changes from command to command, at most 8 periods [s]
+    /// [default: 0, or the scene's]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub delay_deviation: Option<f64>,
     /// Time constant of the actuator, a first-order lag after the delay [s] [default: 0, or the scene's]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub lag: Option<f64>,
-    /// Standard deviation of the lag [s] [default: 0, or the scene's]
+    /// Standard deviation of the lag, at most 8 periods [s] [default: 0, or the scene's]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub lag_deviation: Option<f64>,
     /// Delivered over commanded force [default: 1, or the scene's]
     #[arg(long, value_name = "FACTOR", value_parser = number, allow_hyphen_values = true)]
     pub gain: Option<f64>,
-    /// Standard deviation of the gain [default: 0, or the scene's]
+    /// Standard deviation of the gain, at most the gain [default: 0, or the scene's]
     #[arg(long, value_name = "FACTOR", value_parser = number, allow_hyphen_values = true)]
     pub gain_deviation: Option<f64>,
     /// Model value of the delay [s]; simulate and tune only, whose actuator has its own delay [default: the true one,

@@ -25,7 +25,7 @@ use palpate_device::{Device, NullDevice, Vector};
 use palpate_haply::prepared::{Axis, FIRST_AXIS, Reconnecting, Reopen};
 use palpate_rt::WorldFrame;
 use palpate_scene::Scene;
-use palpate_scene::world::{WorldDevice, WorldScene};
+use palpate_scene::world::WorldScene;
 use palpate_study::sim::device::{
     PointerDevice, PointerHand, PointerParams, SimulatedDevice, SpatialDevice, SpatialHand,
     SpatialPointer,
@@ -105,32 +105,31 @@ pub struct OpenedInWorld {
     identity: Option<String>,
 }
 
-/// Opens the device in `arguments` as the device `own` of a world, as [`open`] does for one contact. `hand` moves the
-/// device `pointer`; without a hand that device stays at its start.
+/// Opens the device in `arguments` as the device of a world at the index `number`, as [`open`] does for one contact.
+/// `hand` moves the device `pointer`; without a hand that device stays at its start.
 fn open_as<C: Clock>(
-    own: &WorldDevice,
+    (scene, number): (&WorldScene, usize),
     arguments: &DeviceArguments,
-    scene: &WorldScene,
     clock: &C,
     guarding: &Guarding,
     hand: Option<&SpatialHand>,
 ) -> Result<OpenedInWorld, Failure> {
     arguments.check()?;
+    let own = &scene.devices[number];
     let mut identity = None;
     let period = scene.timing.period;
     let wrong = |error: palpate_testbed::InvalidParameter| Failure::input(error);
     // The device position that corresponds to its tool's start position in the world.
     let (device, usual): (Box<dyn Device>, Option<Vector>) = match arguments.kind() {
         DeviceName::Simulated => {
-            let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone());
+            let device = SpatialDevice::new(scene, number, clock.clone());
             (Box::new(device.map_err(wrong)?), None)
         }
         DeviceName::Pointer => {
             let hand = hand
                 .cloned()
                 .unwrap_or_else(|| SpatialHand::at(own.position));
-            let actuator = &scene.timing.actuator();
-            let device = SpatialPointer::new(own, actuator, &hand, clock.clone());
+            let device = SpatialPointer::new(scene, number, &hand, clock.clone());
             (Box::new(device.map_err(wrong)?), None)
         }
         DeviceName::Null | DeviceName::Replay => {
@@ -150,6 +149,19 @@ fn open_as<C: Clock>(
             (device, Some(origin))
         }
     };
+    let is_simulated = matches!(
+        arguments.kind(),
+        DeviceName::Simulated | DeviceName::Pointer
+    );
+    let tool = &scene.world.tools[number];
+    if is_simulated && tool.mass_table.is_some() {
+        tell(format_args!(
+            "warning: the mass_table of {} is for the renderer and for `simulate`; the device {} has its mass at the \
+             start everywhere",
+            tool.name,
+            device.capabilities().name
+        ));
+    }
     warn_if_unguarded(device.as_ref(), arguments);
     let frame = placed::frame(arguments, device.capabilities(), usual, own.position)?;
     Ok(OpenedInWorld {

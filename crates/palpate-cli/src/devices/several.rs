@@ -1,7 +1,7 @@
 //! The devices of a world.
 
 use palpate_device::clock::Clock;
-use palpate_scene::world::{WorldDevice, WorldScene};
+use palpate_scene::world::WorldScene;
 use palpate_study::sim::device::SpatialHand;
 
 use super::arguments::Choice;
@@ -44,9 +44,10 @@ pub fn open_for_world<C: Clock>(
 ) -> Result<Vec<OpenedInWorld>, Failure> {
     let mut opened: Vec<OpenedInWorld> = Vec::new();
     let names = names(scene);
-    for ((own, of_one), name) in each(arguments, given, scene)?.into_iter().zip(&names) {
-        let hand = hands.get(opened.len()).and_then(Option::as_ref);
-        let next = open_as(own, of_one, scene, clock, guarding, hand);
+    for (of_one, name) in each(arguments, given, scene)?.into_iter().zip(&names) {
+        let number = opened.len();
+        let hand = hands.get(number).and_then(Option::as_ref);
+        let next = open_as((scene, number), of_one, clock, guarding, hand);
         let next = next.map_err(|failure| match &arguments.device[..] {
             [Choice::Kind(_)] => failure,
             _ => failure.of(&format!("--device {name}=")),
@@ -76,15 +77,15 @@ pub fn kinds(
     scene: &WorldScene,
 ) -> Result<Vec<DeviceName>, Failure> {
     let each = each(arguments, given, scene)?;
-    Ok(each.iter().map(|(_, of_one)| of_one.kind()).collect())
+    Ok(each.iter().map(|of_one| of_one.kind()).collect())
 }
 
-/// Returns each device of the world with its arguments.
+/// Returns the arguments of each device of the world.
 fn each<'a>(
     arguments: &'a DeviceArguments,
     given: &Given,
-    scene: &'a WorldScene,
-) -> Result<Vec<(&'a WorldDevice, &'a DeviceArguments)>, Failure> {
+    scene: &WorldScene,
+) -> Result<Vec<&'a DeviceArguments>, Failure> {
     let names = names(scene);
     let refused = |why: String| {
         Failure::Arguments(format!(
@@ -98,7 +99,7 @@ fn each<'a>(
         if names.len() > 1 && !is_for_all {
             return Err(refused("one device is given for all".into()));
         }
-        return Ok(scene.devices.iter().map(|own| (own, arguments)).collect());
+        return Ok(vec![arguments; scene.devices.len()]);
     }
     if let Some(flag) = given.one_of(&FLAGS_OF_A_DEVICE) {
         return Err(refused(format!(
@@ -121,10 +122,7 @@ fn each<'a>(
     if let Some((name, _)) = missing {
         return Err(refused(format!("{name} is not assigned")));
     }
-    let devices = scene.devices.iter().zip(found);
-    Ok(devices
-        .filter_map(|(own, of_one)| Some((own, of_one?)))
-        .collect())
+    Ok(found.into_iter().flatten().collect())
 }
 
 /// Returns the names of a world's devices in its file, in their order.

@@ -352,6 +352,40 @@ fn the_motion_of_a_recording_is_replayed_in_its_world() {
 }
 
 #[test]
+fn a_simulated_device_says_that_its_mass_does_not_change_with_its_place() {
+    let folder = folder();
+    let scene = experiment_text("worlds-on-devices/ball-on-table");
+    let table = "mass_table = { places_m = [[-0.1, 0.1], [0.0], [0.0]], mass_kg = [\
+                 [0.25, 0.25, 0.25, 0.0, 0.0, 0.0], [0.3, 0.25, 0.25, 0.0, 0.0, 0.0]] }";
+    folder.write("ball.toml", scene.replacen("mass_kg = 0.25", table, 1));
+    let answer = folder.palpate("run ball.toml --fast --duration 0.05");
+    let said = "the mass_table of tool is for the renderer and for `simulate`";
+    assert!(
+        answer.code == 0 && answer.stderr.contains(said),
+        "{answer:?}"
+    );
+}
+
+/// A replay leads the devices, so it does not need the trace of the hand that held them.
+#[test]
+fn a_recording_is_replayed_without_the_trace_of_its_hand() {
+    let folder = folder();
+    let scene = experiment_text("worlds-on-devices/ball-on-table");
+    let rest = "rest_m = [0.0, 0.004, 0.05]";
+    assert!(scene.contains(rest));
+    folder.write("ball.toml", scene.replace(rest, "rest_file = \"hand.csv\""));
+    folder.write(
+        "hand.csv",
+        "t_s,x_m,y_m,z_m\n0,0,0.004,0.05\n0.2,0,0.004,0.02\n",
+    );
+    folder.succeed("run ball.toml --record ball.mcap --fast --duration 0.3");
+    let elsewhere = Folder::new();
+    std::fs::copy(folder.path("ball.mcap"), elsewhere.path("ball.mcap")).unwrap();
+    let replayed = elsewhere.json_of_a_loop("replay ball.mcap");
+    assert_eq!(replayed["format"], "palpate world 1");
+}
+
+#[test]
 fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
     let folder = Folder::new();
     folder.write("box.toml", experiment_text("worlds/box"));

@@ -266,9 +266,13 @@ fn what_only_a_simulated_actuator_can_differ_in_is_refused_elsewhere() {
         ),
         ("--model-lag -1", "--model-lag is -1 s, but must be"),
         ("--model-gain 0", "--model-gain is 0, but must be"),
+        ("--delay-deviation 9", "9 s, but must be 0 to 8 periods"),
+        ("--gain-deviation 9", "but must be from 0 to the gain"),
     ] {
         folder.fail(&format!("simulate scene.toml {flags}"), 2, &[said]);
     }
+    let map = "map --cells 2 --delay-deviation-periods 9";
+    folder.fail(map, 2, &["is 9 periods, but must be 0 to 8"]);
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! A committed recording: `palpate run experiments/experiment1.toml --record experiment1.mcap --duration 1.5 --fast`, and the
-//! output of `palpate convert`.
+//! A committed recording: `palpate run experiments/experiment1.toml --record experiment1.mcap --duration 1.5 --fast`,
+//! and the output of `palpate convert`.
 
 use crate::common::{Folder, parse};
 

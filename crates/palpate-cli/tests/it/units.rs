@@ -224,6 +224,29 @@ fn an_intention_that_no_hand_has_is_doubted() {
     }
 }
 
+/// The hands of worlds are doubted, too, along any axis.
+#[test]
+fn an_intention_of_a_world_that_no_hand_has_is_doubted() {
+    let folder = folder();
+    let scene = crate::common::experiment_text("worlds/paddle");
+    let rest = "rest_m = [0.0, 0.0, 0.0]";
+    assert!(scene.contains(rest));
+    for (file, factor) in [("metres.csv", 1.0), ("wrong.csv", 1000.0)] {
+        let path = trace("x_m,y_m,z_m", factor);
+        let (header, rows) = path.split_once('\n').unwrap();
+        let rows = rows.lines().map(|row| row.replacen(',', ",0,0,", 1) + "\n");
+        folder.write(file, format!("{header}\n{}", rows.collect::<String>()));
+        let recorded = scene.replace(rest, &format!("rest_file = \"{file}\""));
+        folder.write("scene.toml", recorded);
+        let answer = folder.palpate("simulate scene.toml --set measure.duration_s=0.05");
+        let said = answer.stderr.contains("device.hand.rest_file of")
+            && answer
+                .stderr
+                .contains("name its columns x_mm, y_mm and z_mm");
+        assert_eq!(said, factor > 1.0, "{file}: {answer:?}");
+    }
+}
+
 #[test]
 fn a_period_that_is_likely_to_be_in_milliseconds_is_questioned() {
     let folder = folder();

@@ -92,8 +92,8 @@ impl<'a, S: Scalar> Ahead<'a, S> {
         self.actuator.delay
     }
 
-    /// Returns the mean over the `h` `[s]` after its begin by which a line of `slope` `[N/s]`, delivered, differs from the
-    /// mean of its command `[N]`: 0 if h is the nominal period.
+    /// Returns the mean over the `h` `[s]` after its begin by which a line of `slope` `[N/s]`, delivered, differs from
+    /// the mean of its command `[N]`: 0 if h is the nominal period.
     #[must_use]
     pub(crate) fn line_off(&self, slope: S, h: S) -> S {
         let actuator = self.actuator;

@@ -476,8 +476,8 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
     }
 }
 
-/// Returns the force `[N]` whose work along the predicted step of the device is that of the virtual force on the object,
-/// which Eq. (8) as printed lacks; 0 for a free interval, and for a device at rest, where it has no value.
+/// Returns the force `[N]` whose work along the predicted step of the device is that of the virtual force on the
+/// object, which Eq. (8) as printed lacks; 0 for a free interval, and for a device at rest, where it has no value.
 fn unpaid_force<S: Scalar>(start: &Start<S>, moved: &Displacement<S>, share: S, period: S) -> S {
     let d = start.device_velocity * period;
     if share > S::ZERO && d.abs() >= S::from_f64(STANDSTILL) {

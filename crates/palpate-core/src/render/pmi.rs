@@ -88,7 +88,8 @@ pub struct PmiParams {
     pub device: MidpointDevice,
 }
 
-/// Passive midpoint integration, after Lee and Huang (2008) and Kim et al. (Int. J. Robotics Research, 2017). The equations are as derived here:
+/// Passive midpoint integration, after Lee and Huang (2008) and Kim et al. (Int. J. Robotics Research, 2017). The
+/// equations are as derived here:
 ///
 /// ```text
 /// eta+ = eta + (eta' + eta'+) T/2
@@ -193,8 +194,8 @@ impl Pmi {
     }
 }
 
-/// Returns the solution of `end = free - compliance f`, `f = (V(end) - V(p))/(end - p)`: the final penetration `[m]` and
-/// the force `[N]`. f increases with `end`, so the solution is unique.
+/// Returns the solution of `end = free - compliance f`, `f = (V(end) - V(p))/(end - p)`: the final penetration `[m]`
+/// and the force `[N]`. f increases with `end`, so the solution is unique.
 #[inline]
 fn midpoint_end<S: Scalar>(stiffness: S, p: S, free: S, compliance: S) -> (S, S) {
     let c = S::HALF * stiffness * compliance;

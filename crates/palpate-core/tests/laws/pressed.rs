@@ -214,8 +214,8 @@ fn a_deviation_of_the_model_adds_nothing_to_the_swing_of_a_contact() {
 /// Hands: stiffness `[N/m]` and damping `[N s/m]`.
 const HANDS: [(f64, f64); 4] = [(0.0, 1.0), (60.0, 1.5), (100.0, 1.0), (300.0, 3.0)];
 
-/// Returns the number of [`HANDS`] in which a pressed wall swings by more than 5 % of the force after 7 s. `delay`, `lag`
-/// and `deviation` are in periods, exactly modelled.
+/// Returns the number of [`HANDS`] in which a pressed wall swings by more than 5 % of the force after 7 s. `delay`,
+/// `lag` and `deviation` are in periods, exactly modelled.
 fn swinging(kappa: f64, [delay, lag]: [f64; 2], deviation: f64) -> usize {
     let swings = HANDS.iter().filter(|&&hand| {
         let pressed = Pressed {

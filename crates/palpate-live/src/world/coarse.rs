@@ -6,8 +6,8 @@ use std::collections::{HashMap, HashSet};
 const FINEST: f64 = 512.0;
 const COARSER: f64 = 0.8;
 
-/// Vertices `[m]` and faces of at most `most` triangles: those of the mesh itself, or of the finest grid whose cells have a
-/// vertex each, the mean of theirs, that leaves no more.
+/// Vertices `[m]` and faces of at most `most` triangles: those of the mesh itself, or of the finest grid whose cells
+/// have a vertex each, the mean of theirs, that leaves no more.
 #[expect(clippy::cast_possible_truncation, reason = "for the eye")]
 pub fn coarse(vertices: &[[f64; 3]], faces: &[[u32; 3]], most: usize) -> (Vec<f32>, Vec<[u32; 3]>) {
     if faces.len() <= most {

@@ -1,5 +1,5 @@
-//! A session on a world, on one device or several: one loop or two, a thread that listens to them, and what clients ask for. The loops wait for none
-//! of it.
+//! A session on a world, on one device or several: one loop or two, a thread that listens to them, and what clients ask
+//! for. The loops wait for none of it.
 
 mod coarse;
 mod hands;

@@ -177,8 +177,8 @@ pub fn length(vector: Vector) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// A tick of a world as a row of the charts: the length of the force on the first device, the deepest contact, the sum of
-/// what contacts store, and what held forces created.
+/// A tick of a world as a row of the charts: the length of the force on the first device, the deepest contact, the sum
+/// of what contacts store, and what held forces created.
 pub fn row(tick: &Tick, contacts: &[ContactTick]) -> Row {
     let deepest = contacts.iter().map(|contact| contact.penetration);
     let contact = ContactTick {

@@ -20,7 +20,8 @@ const PATIENCE: Duration = Duration::from_secs(20);
 
 fn scene() -> WorldScene {
     let text = include_str!("../../../../experiments/worlds/pinch.toml");
-    // Out of 50 g the fingers fly off when the machine lets the loop wait for a tenth of a second. A cube that hardly moves stays there.
+    // Out of 50 g the fingers fly off when the machine lets the loop wait for a tenth of a second. A cube that hardly
+    // moves stays there.
     let heavy = text.replace("mass_kg = 0.05\n", "mass_kg = 500.0\n");
     assert_ne!(heavy, text);
     WorldFile::parse("pinch.toml", &heavy).unwrap().scene
@@ -81,17 +82,17 @@ fn stage(methods: &[&'static str]) -> Stage {
             let renderer = scene.renderer(methods[number]).unwrap();
             let frames = vec![WorldFrame::the_same(); 2];
             let world = RenderedWorld::of_devices(&scene.world, renderer, methods[number], frames);
-            // A busy machine is not what is tested here: a force that it holds for too long creates energy, and recoveries follow.
+            // A busy machine is not what is tested here: a force that it holds for too long creates energy, and
+            // recoveries follow.
             let mut limits = SafetyParams {
                 stall_after_periods: 1000.0,
                 ..SafetyParams::default()
             };
             limits.oscillation.energy = f64::INFINITY;
             limits.recoveries.too_many = None;
-            let devices = scene.devices.iter().zip(&hands).enumerate();
-            let devices = devices.map(|(number, (own, hand))| {
-                let actuator = &scene.timing.actuator();
-                let pointer = SpatialPointer::new(own, actuator, hand, clock).unwrap();
+            let devices = hands.iter().enumerate();
+            let devices = devices.map(|(number, hand)| {
+                let pointer = SpatialPointer::new(&scene, number, hand, clock).unwrap();
                 let is_out = if number == 1 {
                     Arc::clone(&is_out)
                 } else {

@@ -1,8 +1,8 @@
 //! A journal of work in progress, whose lines survive a crash of the program.
 //!
 //! Each line carries a checksum, so an incomplete last line is detected after a crash of the program or the machine.
-//! A result file is not a journal: it appears complete, by [`atomic::write`](crate::files::atomic::write), and its journal
-//! is then removed.
+//! A result file is not a journal: it appears complete, by [`atomic::write`](crate::files::atomic::write), and its
+//! journal is then removed.
 //!
 //! One program at a time uses a journal. It locks the journal from opening until the program ends, and writes a line
 //! that identifies it. Complete lines are never overwritten.

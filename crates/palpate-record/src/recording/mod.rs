@@ -1,12 +1,12 @@
 //! Recordings of a device loop, tick by tick, written while the loop runs.
 //!
 //! A recording is an [MCAP](https://mcap.dev) file, so Foxglove and PlotJuggler can open it. Its first record is the
-//! [`RecordingMetadata`], the metadata: the configuration as text. Then follow in chunks with checksums: [`Tick`]s on the
-//! channel `/tick`, the [`ContactTick`]s of each tick on `/contact`, the [`BodyTick`]s of a world on `/body`, the
-//! [`DeviceTick`]s of a loop with several devices on `/device`, and [`Event`]s on `/event`. `docs/reference/recording.md`
-//! documents every byte. An unfinished recording is called `NAME.part`. Data handed on by [`RecordingWriter::flush`]
-//! survive the program. [`RecordingWriter::count`] writes the counters of the loop ([`LoopCount`]), and
-//! [`RecordingWriter::finish`] then gives the file its name.
+//! [`RecordingMetadata`], the metadata: the configuration as text. Then follow in chunks with checksums: [`Tick`]s on
+//! the channel `/tick`, the [`ContactTick`]s of each tick on `/contact`, the [`BodyTick`]s of a world on `/body`, the
+//! [`DeviceTick`]s of a loop with several devices on `/device`, and [`Event`]s on `/event`.
+//! `docs/reference/recording.md` documents every byte. An unfinished recording is called `NAME.part`. Data handed on by
+//! [`RecordingWriter::flush`] survive the program. [`RecordingWriter::count`] writes the counters of the loop
+//! ([`LoopCount`]), and [`RecordingWriter::finish`] then gives the file its name.
 //!
 //! [`Recording::open`] reads the available part of a recording and reports missing data: lost ticks by their numbers,
 //! a truncated end, and damaged chunks.

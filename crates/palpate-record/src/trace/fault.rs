@@ -4,6 +4,7 @@ use std::io;
 
 use thiserror::Error;
 
+use super::ReadNotes;
 use super::layout::Way;
 use crate::place::TextPosition;
 
@@ -216,9 +217,10 @@ pub enum TraceFault {
     /// Fewer than two samples lie in the selected part.
     #[error(
         "{found} of at least 2 required samples lie {}; the times of the trace begin at \
-         {first} s{}",
+         {first} s{}{}",
         between(*from, *to),
-        last.map_or_else(String::new, |last| format!(" and end at {last} s"))
+        last.map_or_else(String::new, |last| format!(" and end at {last} s")),
+        left_out(notes)
     )]
     TooFewInPart {
         /// Start of the part `[s]`.
@@ -231,13 +233,36 @@ pub enum TraceFault {
         first: f64,
         /// Time of the last sample `[s]`, if the trace was read to its end.
         last: Option<f64>,
+        /// Omitted samples.
+        notes: ReadNotes,
     },
     /// The trace has fewer than two samples.
-    #[error("a trace needs at least 2 samples, this one has {found}")]
+    #[error(
+        "a trace needs at least 2 samples, this one has {found}{}",
+        left_out(notes)
+    )]
     TooFewSamples {
         /// Number of samples.
         found: usize,
+        /// Omitted samples.
+        notes: ReadNotes,
     },
+}
+
+/// Describes the samples that were left out of a trace, with the way to keep one.
+fn left_out(notes: &ReadNotes) -> String {
+    let mut said = match notes.left_out {
+        0 => String::new(),
+        1 => "; 1 without a value was left out".to_owned(),
+        count => format!("; {count} without a value were left out"),
+    };
+    if let Some(text) = &notes.unended {
+        said += &format!(
+            "; the sample of the last line was left out, because the line has no line end and its last number, \
+             `{text}`, may be cut off: if the file is complete, end it with a line end"
+        );
+    }
+    said
 }
 
 /// Describes a span of time.

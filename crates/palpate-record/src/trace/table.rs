@@ -362,6 +362,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         let count = reading.samples.t_s.len();
         if count < 2 {
             let end = self.source().trim_end().len();
+            let notes = reading.samples.notes.clone();
             let fault = match reading.first {
                 Some(first) if (part.from, part.to) != (Part::WHOLE.from, Part::WHOLE.to) => {
                     TraceFault::TooFewInPart {
@@ -370,9 +371,13 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
                         found: count,
                         first,
                         last: reading.before.filter(|_| reading.is_read_to_its_end),
+                        notes,
                     }
                 }
-                _ => TraceFault::TooFewSamples { found: count },
+                _ => TraceFault::TooFewSamples {
+                    found: count,
+                    notes,
+                },
             };
             return Err(self.fault((end..end, fault)));
         }

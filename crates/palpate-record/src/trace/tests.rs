@@ -84,6 +84,28 @@ fn a_sample_whose_last_number_may_be_cut_off_is_left_out_and_that_is_said() {
     let held = parse_as("t_s,position_m\n0,1\n1,2\n2,", &skipping).unwrap();
     assert_eq!(held.trace.position_m, [1.0, 2.0]);
     assert_eq!((held.notes.left_out, held.notes.unended), (1, None));
+    // With too few samples left, the error has the reason.
+    let short = parse_as("t_s,position_m\n0,0.01\n0.001,0.02", &laid_out(|_| ())).unwrap_err();
+    assert_eq!(
+        short,
+        "hand.csv:3:11: a trace needs at least 2 samples, this one has 1; the sample of the last line was left out, \
+         because the line has no line end and its last number, `0.02`, may be cut off: if the file is complete, end \
+         it with a line end"
+    );
+    let part = Part {
+        from: 0.0005,
+        ..Part::WHOLE
+    };
+    let short = read_part(text.as_bytes(), "hand.csv", &part, &laid_out(|_| ())).unwrap_err();
+    assert!(
+        short.to_string().contains("`0.01`, may be cut off"),
+        "{short}"
+    );
+    let short = parse_as("t_s,position_m\n0,1\n1,\n2,\n", &skipping).unwrap_err();
+    assert!(
+        short.ends_with("has 1; 2 without a value were left out"),
+        "{short}"
+    );
     // A caller that receives no notes gets an error.
     assert_eq!(
         message(text),

@@ -20,6 +20,8 @@ pub struct OneContact {
     last: Option<(Vector, Output<f64>)>,
     /// Whether the output of the last sample has not been written yet.
     is_new: bool,
+    /// End of the last line that was sent, on the object `[N]`.
+    line_end: f64,
     said: ContactTick,
 }
 
@@ -34,6 +36,7 @@ impl OneContact {
             delivered: Delivered::default(),
             last: None,
             is_new: false,
+            line_end: 0.0,
             said: ContactTick::default(),
         })
     }
@@ -124,9 +127,13 @@ impl Renders for OneContact {
         if !holds_lines {
             self.rendered.report_sent(force);
         } else if is_new {
-            // Without a new sample the force stays at the end of its line, which is part of the model.
             let slope = -self.along_axis(sent.slope);
             self.rendered.report_sent_line(force, slope);
+            self.line_end = -self.along_axis(sent.end().force);
+        } else if force == 0.0 && self.line_end != 0.0 {
+            // Without a new sample the force stays at the end of its line, which is part of the model, or is cut.
+            self.rendered.report_sent(0.0);
+            self.line_end = 0.0;
         }
     }
 

@@ -240,8 +240,8 @@ impl Safety {
         Observation { stopped, recovered }
     }
 
-    /// Performs the second half of [`evaluate`](Self::evaluate): returns the wrench to command. It is zero if `withheld`,
-    /// because another device of the loop has stopped.
+    /// Performs the second half of [`evaluate`](Self::evaluate): returns the wrench to command. It is zero if
+    /// `withheld`, because another device of the loop has stopped.
     pub(crate) fn answer(
         &mut self,
         rendered: &Rendered,
@@ -342,8 +342,8 @@ impl Safety {
         }
     }
 
-    /// Returns the part of a `slope` `[N/s]` with which both ends of a line of this `mean` `[N]` are no longer than `largest`
-    /// `[N]`, if the slope is larger. The ends keep their directions from the mean.
+    /// Returns the part of a `slope` `[N/s]` with which both ends of a line of this `mean` `[N]` are no longer than
+    /// `largest` `[N]`, if the slope is larger. The ends keep their directions from the mean.
     fn within(&self, mean: Vector, slope: Vector, largest: f64) -> Option<Vector> {
         let half = 0.5 * self.period;
         let most = half * slope.iter().fold(0.0_f64, |most, x| most.max(x.abs()));

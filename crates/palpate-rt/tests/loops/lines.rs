@@ -237,16 +237,21 @@ impl Device for Remembers {
     }
 }
 
-fn remembering(
-    script: Vec<Step>,
-    holds_lines: bool,
-) -> Result<ControlLoop<Remembers, SteppedClock>, SetupError> {
+fn pressed() -> Scene {
     let mut pressed = line_scene("wall.toml");
     pressed.contact.stiffness = 1000.0;
     pressed.object.position = 0.0;
     pressed.loop_params.period = 0.01;
     pressed.loop_params.largest_gap = None;
     pressed.virtual_force = 0.0;
+    pressed
+}
+
+fn remembering(
+    pressed: &Scene,
+    script: Vec<Step>,
+    holds_lines: bool,
+) -> Result<ControlLoop<Remembers, SteppedClock>, SetupError> {
     let clock = SteppedClock::new();
     let device = Remembers {
         device: ScriptedDevice::new(clock.clone(), 1, script),
@@ -264,7 +269,7 @@ fn remembering(
 fn without_a_sample_the_end_of_the_line_is_held_for_a_period_then_nothing() {
     let mut script = vec![at(-2.0), at(-1.0), at(0.0), at(1.0), at(2.0)];
     script.extend([Step::Fails(DeviceErrorKind::NothingNew); 3]);
-    let mut control = remembering(script, true).unwrap();
+    let mut control = remembering(&pressed(), script, true).unwrap();
     let ticks: Vec<Tick> = (0..7).map(|_| control.tick().tick).collect();
     let lines = &control.device().lines;
     let last = lines[4];
@@ -278,6 +283,34 @@ fn without_a_sample_the_end_of_the_line_is_held_for_a_period_then_nothing() {
         assert_eq!(tick.delivered_force, line.wrench.force);
         assert_eq!(tick.delivered_slope, line.slope);
     }
+}
+
+/// After a second missing sample there is no force, and the ledger knows it: a device that moves then does no work.
+#[test]
+fn a_force_cut_without_a_sample_does_no_work_in_the_ledger() {
+    let work_of = |hold: Hold| {
+        let mut script = vec![at(-2.0), at(-1.0), at(0.0), at(1.0), at(2.0)];
+        script.extend([Step::Fails(DeviceErrorKind::NothingNew); 20]);
+        script.push(at(12.0));
+        let mut pressed = pressed();
+        pressed.loop_params.actuation.hold = hold;
+        pressed.loop_params.largest_gap = Some(1.0);
+        // Not the measured force but the sent one, when it acts, is in the ledger.
+        pressed.loop_params.actuation.delay = 0.4 * pressed.loop_params.period;
+        let mut control = remembering(&pressed, script, true).unwrap();
+        let rows: Vec<Row> = (0..26).map(|_| control.tick()).collect();
+        let force = rows[4].contact.force_on_object;
+        let work = rows[25].contact.port_work - rows[4].contact.port_work;
+        (force, work)
+    };
+    let [(force, line), (_, constant)] = [Hold::Line, Hold::Constant].map(work_of);
+    println!("work of a line {line} J, of a constant {constant} J");
+    // 10 mm under the force of the last line.
+    let not_cut = 0.01 * force.abs();
+    assert!(
+        line.abs() < 0.2 * not_cut && constant.abs() < 0.2 * not_cut,
+        "{not_cut} J"
+    );
 }
 
 #[test]
@@ -313,11 +346,11 @@ fn a_line_is_cut_at_once() {
 
 #[test]
 fn a_device_that_holds_constants_is_refused_with_the_way_out() {
-    let error = remembering(vec![at(0.0)], false).err().unwrap();
+    let error = remembering(&pressed(), vec![at(0.0)], false).err().unwrap();
     assert_eq!(error, SetupError::HoldsConstant);
     let message = error.to_string();
     assert!(message.contains("this device holds constants") && message.contains("loop.hold"));
-    assert!(remembering(vec![at(0.0)], true).is_ok());
+    assert!(remembering(&pressed(), vec![at(0.0)], true).is_ok());
 }
 
 /// Loads a scene of `experiments/worlds` whose devices hold lines, with more keys of its loop.
@@ -339,9 +372,7 @@ fn lines_of_a_world_are_those_of_the_simulator_with_delays_too() {
             let expected = WorldBench::new(&scene).unwrap();
             let expected = expected.run("coupled", &renderer).unwrap();
             let clock = SteppedClock::new();
-            let device = &scene.devices[0];
-            let device =
-                SpatialDevice::new(device, &scene.timing.actuator(), clock.clone()).unwrap();
+            let device = SpatialDevice::new(&scene, 0, clock.clone()).unwrap();
             assert!(device.capabilities().holds_lines);
             let frame = WorldFrame::the_same();
             let world = RenderedWorld::new(&scene.world, renderer, "coupled", frame).unwrap();

@@ -49,8 +49,7 @@ fn renderer(tools: usize) -> LocalRenderer {
 fn pressed(limits: SafetyParams) -> (LowRateSimulator, Loop) {
     let scene = WorldFile::parse("device", DEVICE).unwrap().scene;
     let clock = SteppedClock::new();
-    let own = &scene.devices[0];
-    let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone()).unwrap();
+    let device = SpatialDevice::new(&scene, 0, clock.clone()).unwrap();
     let (host, world) = local_world(renderer(1), WorldFrame::the_same()).unwrap();
     let control = ControlLoop::of_local_world(device, clock, world, limits).unwrap();
     (host, control)

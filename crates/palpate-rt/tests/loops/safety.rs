@@ -325,13 +325,13 @@ fn the_slew_limit_holds_in_soft_starts_and_recoveries() {
     }
 }
 
-/// Creates a point above a floor at 1 kHz, with limited forces, in a caller-owned loop.
-fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
+/// Creates a world of a point above a floor.
+fn point_above_a_floor(stiffness: f64) -> World {
     let floor = Shape::HalfSpace {
         normal: [0.0, 0.0, 1.0],
         offset: 0.0,
     };
-    let world = World {
+    World {
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.0 })],
         bodies: vec![Body::new("floor", floor, Motion::Fixed)],
         contacts: vec![Contact {
@@ -339,7 +339,12 @@ fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
             law: ContactLaw::spring(stiffness),
         }],
         joints: Vec::new(),
-    };
+    }
+}
+
+/// Creates a point above a floor at 1 kHz, with limited forces, in a caller-owned loop.
+fn floor_within(force_limit: f64, stiffness: f64) -> BoundedWorld {
+    let world = point_above_a_floor(stiffness);
     let loop_params = WorldLoop::new(0.001);
     let renderer = WorldRenderer::new(&world, loop_params, BasicParams::default()).unwrap();
     let limits = SafetyParams::bounding(Some(force_limit), None, 0.2);

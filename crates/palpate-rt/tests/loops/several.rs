@@ -180,8 +180,8 @@ fn it_is_the_loop_of_the_simulator_with_two_hands() {
         .run("coupled", &pinch.renderer("coupled").unwrap())
         .unwrap();
     let clock = SteppedClock::new();
-    let devices = pinch.devices.iter().map(|device| {
-        let device = SpatialDevice::new(device, &pinch.timing.actuator(), clock.clone()).unwrap();
+    let devices = (0..pinch.devices.len()).map(|number| {
+        let device = SpatialDevice::new(&pinch, number, clock.clone()).unwrap();
         (device, wide())
     });
     let world = rendered(&pinch, "coupled");
@@ -445,8 +445,8 @@ fn generated_energy_of_the_world_stops_all_devices_with_one_event() {
         contact.law.stiffness *= 4.0;
     }
     let clock = SteppedClock::new();
-    let devices = pinch.devices.iter().map(|device| {
-        let device = SpatialDevice::new(device, &pinch.timing.actuator(), clock.clone()).unwrap();
+    let devices = (0..pinch.devices.len()).map(|number| {
+        let device = SpatialDevice::new(&pinch, number, clock.clone()).unwrap();
         (device, SafetyParams::default())
     });
     let world = rendered(&pinch, "basic");

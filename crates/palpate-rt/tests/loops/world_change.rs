@@ -59,8 +59,7 @@ fn rendered(scene: &WorldScene, method: &'static str) -> RenderedWorld {
 
 fn changing(scene: &WorldScene, method: &'static str) -> (Worlds, Loop) {
     let clock = SteppedClock::new();
-    let own = &scene.devices[0];
-    let device = SpatialDevice::new(own, &scene.timing.actuator(), clock.clone()).unwrap();
+    let device = SpatialDevice::new(scene, 0, clock.clone()).unwrap();
     let (worlds, world) = changing_world(scene.world.clone(), rendered(scene, method));
     let control = ControlLoop::of_changing_world(device, clock, world, wide()).unwrap();
     (worlds, control)

@@ -36,8 +36,7 @@ fn rendered(scene: &WorldScene, method: &'static str, frame: WorldFrame) -> Rend
 
 fn in_space(scene: &WorldScene, method: &'static str, limits: SafetyParams) -> InSpace {
     let clock = SteppedClock::new();
-    let device = &scene.devices[0];
-    let device = SpatialDevice::new(device, &scene.timing.actuator(), clock.clone()).unwrap();
+    let device = SpatialDevice::new(scene, 0, clock.clone()).unwrap();
     let world = rendered(scene, method, WorldFrame::the_same());
     ControlLoop::of_world(device, clock, world, limits).unwrap()
 }
@@ -300,8 +299,7 @@ fn a_loop_of_two_devices_is_refused() {
 fn spatial_device_returns_the_written_force() {
     let scene = scene("paddle.toml");
     let clock = SteppedClock::new();
-    let mut device =
-        SpatialDevice::new(&scene.devices[0], &scene.timing.actuator(), clock).unwrap();
+    let mut device = SpatialDevice::new(&scene, 0, clock).unwrap();
     let held = device.write([1.0, -2.0, 0.5].into()).unwrap();
     assert_eq!(held.force, [1.0, -2.0, 0.5]);
 }
@@ -388,8 +386,7 @@ fn a_stylus_needs_a_device_that_measures_how_it_is_turned() {
     let mut felt = scene.clone();
     felt.world.tools[0].gives_torque = true;
     let clock = SteppedClock::new();
-    let device =
-        SpatialDevice::new(&scene.devices[0], &scene.timing.actuator(), clock.clone()).unwrap();
+    let device = SpatialDevice::new(&scene, 0, clock.clone()).unwrap();
     let world = rendered(&felt, "coupled", WorldFrame::the_same());
     let refused = ControlLoop::of_world(device, clock, world, wide());
     assert_eq!(refused.err(), Some(SetupError::SixAxes));

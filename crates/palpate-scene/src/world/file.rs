@@ -18,7 +18,6 @@ use super::device::wrong_body_name;
 use super::place::WorldPlaces;
 use super::shape::{RawShape, unit};
 use super::{WorldRender, WorldScene, WorldTiming};
-use crate::delay::Delay;
 use crate::fault::{Places, SceneError, SceneErrors, Span};
 use crate::model::RawModel;
 use crate::one_contact::NotOneContact;
@@ -62,6 +61,20 @@ impl WorldFile {
     pub fn parse_edited(source: &Source) -> Result<Self, SceneErrors> {
         let folder = Path::new(&source.name).parent().unwrap_or(Path::new(""));
         Self::read(source, Tables::read(source)?, folder)
+    }
+
+    /// Reads a world whose devices follow a motion that is known otherwise, as [`parse_edited`](Self::parse_edited)
+    /// does, but without the traces in the `rest_file` of its hands.
+    ///
+    /// # Errors
+    /// Those of [`parse`](Self::parse).
+    pub fn parse_led(source: &Source) -> Result<Self, SceneErrors> {
+        let folder = Path::new(&source.name).parent().unwrap_or(Path::new(""));
+        let mut tables = Tables::read(source)?;
+        for device in &mut tables.raw.device {
+            device.get_mut().hand.rest_file = None;
+        }
+        Self::read(source, tables, folder)
     }
 
     /// Reads a world from a text that is called `name`. Mesh files are read from `folder`.
@@ -260,14 +273,8 @@ impl Reading {
     /// Returns the model of the true actuators: without a fraction of a period, which no model knows, and with at most
     /// the longest delay that a renderer models.
     fn known_actuation(&mut self, timing: &WorldTiming) -> Actuation<f64> {
-        let known = match timing.delay {
-            Delay::Periods { samples, .. } => Delay::samples(samples),
-            delay @ Delay::Seconds(_) => delay,
-        };
-        let (known, longest) = (
-            known.time(timing.period),
-            LARGEST_DELAY as f64 * timing.period,
-        );
+        let known = timing.device_delay();
+        let longest = LARGEST_DELAY as f64 * timing.period;
         if known > longest * (1.0 + 1e-9) {
             let note = format!(
                 "the renderer models at most {LARGEST_DELAY} periods of delay, {longest} s; the rest of {known} s is \

@@ -231,6 +231,6 @@ impl Reading {
             }),
             ..usual
         };
-        raw.mode.of_world(params)
+        raw.mode.get_ref().of_world(params)
     }
 }

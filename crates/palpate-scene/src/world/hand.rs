@@ -38,8 +38,8 @@ impl Reading {
         }
     }
 
-    /// Returns the hand, whose rest is by default the device's `position` `[m]`. Rejects forces and rests along the axes
-    /// that the tool lacks.
+    /// Returns the hand, whose rest is by default the device's `position` `[m]`. Rejects forces and rests along the
+    /// axes that the tool lacks.
     pub(super) fn hand(
         &mut self,
         raw: RawHand,
@@ -103,8 +103,8 @@ impl Reading {
         }
     }
 
-    /// Returns the motion in a file beside the scene: along the axis of a device with one axis, which is elsewhere at its
-    /// `position` `[m]`, or of x, y and z.
+    /// Returns the motion in a file beside the scene: along the axis of a device with one axis, which is elsewhere at
+    /// its `position` `[m]`, or of x, y and z.
     fn recorded_rest(
         &mut self,
         name: &Spanned<String>,

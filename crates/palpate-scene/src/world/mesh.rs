@@ -369,7 +369,8 @@ impl RawRevolved {
     }
 }
 
-/// Vertices in the file's unit, triangles, and notes on an STL or OBJ file. Files that it names, such as of colours, are not read.
+/// Vertices in the file's unit, triangles, and notes on an STL or OBJ file. Files that it names, such as of colours,
+/// are not read.
 fn triangles(path: &Path) -> Result<(gallery::Triangles, Option<String>), String> {
     let at = |why: String| format!("{}: {why}", path.display());
     // In a browser there are no files, and the readers are 3 % of the download.

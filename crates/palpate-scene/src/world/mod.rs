@@ -54,8 +54,8 @@ pub struct WorldScene {
 /// A device and its hand. Its axes are those of the world or its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldDevice {
-    /// Its axes, unit vectors at right angles along the world's: mass, quantum and tremor are along them, positions, velocities and
-    /// forces along the world's. `None`: the world's own. Those of its tool are the same
+    /// Its axes, unit vectors at right angles along the world's: mass, quantum and tremor are along them, positions,
+    /// velocities and forces along the world's. `None`: the world's own. Those of its tool are the same
     /// ([`Tool::own_axes`](palpate_world::Tool::own_axes)).
     pub own_axes: Option<[Vector; 3]>,
     /// Effective mass along each axis, each above 0 `[kg]`; infinite along an axis that the device lacks
@@ -76,6 +76,12 @@ pub struct WorldDevice {
 }
 
 impl WorldDevice {
+    /// Whether the device has a motor along one of its axes; its mechanism holds it along the others.
+    #[must_use]
+    pub fn moves_along(&self, axis: usize) -> bool {
+        self.mass[axis].is_finite()
+    }
+
     /// A vector of the world along the device's axes.
     #[must_use]
     pub fn own(&self, vector: Vector) -> Vector {
@@ -182,14 +188,11 @@ pub struct WorldTiming {
 }
 
 impl WorldTiming {
-    /// The actuators of all devices, with the delay.
+    /// Returns the delay that a simulated device has in a loop in time, and that the renderer models: without a
+    /// fraction of a period, which stands for the computing time of a loop `[s]`.
     #[must_use]
-    pub fn actuator(&self) -> WorldActuator {
-        WorldActuator {
-            delay: self.delay.time(self.period),
-            lag: self.actuator.lag,
-            gain: self.actuator.gain,
-        }
+    pub fn device_delay(&self) -> f64 {
+        self.delay.without_fraction().time(self.period)
     }
 
     /// Whether every sample is on time and every command acts at its sample.
@@ -219,17 +222,6 @@ impl WorldScene {
         let is_noisy = devices.any(|device| device.drivetrain.noise > 0.0);
         (timing.is_random() || is_noisy).then_some(timing.seed)
     }
-}
-
-/// Delay, lag and gain of the actuators of all devices.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WorldActuator {
-    /// Time from a sample to the moment at which the command that answers it begins to act `[s]`.
-    pub delay: f64,
-    /// Time constant of a first-order lag after the delay `[s]`.
-    pub lag: f64,
-    /// Delivered over commanded force.
-    pub gain: f64,
 }
 
 /// A virtual coupling between device and proxy; missing keys are `None`.

@@ -7,8 +7,8 @@ use earcut::utils3d::project3d_to_2d;
 use palpate_testbed::world::mesh::gallery::Triangles;
 use palpate_world::Vector;
 
-/// Contents of the `v` and `f` lines of a file: vertices of polygons, in the order of their first use, and triangles. The weight or the
-/// colour that a vertex may have is left out.
+/// Contents of the `v` and `f` lines of a file: vertices of polygons, in the order of their first use, and triangles.
+/// The weight or the colour that a vertex may have is left out.
 pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, String> {
     let text = String::from_utf8_lossy(bytes);
     let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate();
@@ -102,8 +102,8 @@ fn corner(word: &str, so_far: usize) -> Result<usize, String> {
 /// Most of a polygon's area by which its triangles may differ from it.
 const CROSSED: f64 = 1e-6;
 
-/// Triangles of a polygon: a fan about its first corner where all of them have its sense, and else by the ear clipping of a
-/// library.
+/// Triangles of a polygon: a fan about its first corner where all of them have its sense, and else by the ear clipping
+/// of a library.
 fn cut(outline: &[Vector]) -> Result<Vec<[usize; 3]>, String> {
     let fan = (2..outline.len()).map(|k| [0, k - 1, k]);
     let fan: Vec<[usize; 3]> = fan.collect();

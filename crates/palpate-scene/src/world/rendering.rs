@@ -119,8 +119,8 @@ impl WorldSettings {
 
 impl WorldScene {
     /// Sets the largest force `[N]` and the largest torque `[N m]` on each device: from `asked`, else from the scene,
-    /// else from `usual` and the weakest motor. Infinity means unlimited. If neither `asked` nor the scene gives a torque,
-    /// an unlimited force implies an unlimited torque.
+    /// else from `usual` and the weakest motor. Infinity means unlimited. If neither `asked` nor the scene gives a
+    /// torque, an unlimited force implies an unlimited torque.
     pub fn settle_limits(&mut self, asked: [Option<f64>; 2], usual: [f64; 2]) {
         let motors = self.devices.iter();
         let motors = motors.map(|device| device.drivetrain.largest_force);

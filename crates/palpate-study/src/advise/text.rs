@@ -340,7 +340,7 @@ impl Advice {
              friction of the device alone; \"tuned\" tries {} dampings on this scene. Stiffest and lightest are \
              limits of stability alone: the force deviates far from the ideal's earlier. Faithful: mean-force error E \
              and hold bound are below {} %. Resting and pressed: standard deviation of the force over the pressing \
-             force; a dash: the bounce is not stable, or the contact is lost or diverges. A dash elsewhere: unstable \
+             force, pressed with 3 N and after a tap with 13 N that a limit of 20 N clips; a dash: the bounce is not stable, or the contact is lost or diverges. A dash elsewhere: unstable \
              even at kappa or Kc = 1e-4.",
             without(bounds.colgate_schenkel_n_per_m),
             without(bounds.gil_n_per_m),

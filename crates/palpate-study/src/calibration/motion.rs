@@ -149,8 +149,8 @@ impl ExcitedMotion {
         })
     }
 
-    /// Returns what the loop did to the samples, which is a possible cause of a fit that fails: missing samples and uneven
-    /// times; `None` without either.
+    /// Returns what the loop did to the samples, which is a possible cause of a fit that fails: missing samples and
+    /// uneven times; `None` without either.
     #[must_use]
     pub fn loop_fault(&self) -> Option<String> {
         let missing = (self.missed > 0).then(|| {

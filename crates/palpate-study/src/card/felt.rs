@@ -34,8 +34,8 @@ pub struct FeltCard {
     pub methods: Vec<MethodFeltCard>,
     /// Dampings of a wall by `virtual-damper` `[N s/m]`.
     pub damping_n_s_per_m: Vec<f64>,
-    /// Maximum stiffness of a wall that is stable and steady while it is pressed, per damping `[N/m]`: the Z-width of the
-    /// device.
+    /// Maximum stiffness of a wall that is stable and steady while it is pressed, per damping `[N/m]`: the Z-width of
+    /// the device.
     pub stable_n_per_m: Vec<Reach>,
 }
 
@@ -74,8 +74,8 @@ pub struct FeltPointCard {
 pub struct EffectiveCard {
     /// Real part of force over displacement `[N/m]`; negative where a mass is felt.
     pub stiffness_n_per_m: f64,
-    /// Imaginary part of force over displacement, over the angular frequency `[N s/m]`; negative where the contact gives
-    /// out energy.
+    /// Imaginary part of force over displacement, over the angular frequency `[N s/m]`; negative where the contact
+    /// gives out energy.
     pub damping_n_s_per_m: f64,
     /// Effective mass `[kg]`: minus the stiffness over the squared angular frequency; 0 where a stiffness is felt.
     pub mass_kg: f64,

@@ -133,7 +133,8 @@ impl super::FeltCard {
         let mut table = plain_table(CellAlignment::Left, &header);
         type Part = fn(&FeltPointCard) -> Option<EffectiveCard>;
         let mut add_row = |name: &str, part: Part, from: &MethodFeltCard| {
-            // A wall at the highest frequency at which a hand still guides a device, an object where it is felt as a mass.
+            // A wall at the highest frequency at which a hand still guides a device, an object where it is felt as a
+            // mass.
             let guided = |point: &&FeltPointCard| point.frequency_hz <= MAX_GUIDED_HZ;
             let wall = from.wall.iter().rev().find(guided);
             let object = from.object.first();

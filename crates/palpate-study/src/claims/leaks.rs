@@ -5,8 +5,8 @@ use crate::sim::closed_loop::Bench;
 use crate::sim::run::{Run, Tick};
 use palpate_scene::method::MethodName;
 
-/// Compares the leak of each interval with that of the spring force on the same motion, as the paper does. The sums over
-/// a run are for information: in a sum, leaks of opposite sign cancel.
+/// Compares the leak of each interval with that of the spring force on the same motion, as the paper does. The sums
+/// over a run are for information: in a sum, leaks of opposite sign cancel.
 pub(super) fn remaining_leak(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
     /// Half an order of magnitude above 1/10: 10^-0.5.
     const AT_MOST: f64 = 0.316;

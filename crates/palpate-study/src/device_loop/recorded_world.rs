@@ -64,7 +64,8 @@ impl RecordedWorld {
         let Some(text) = recording.metadata.texts.get(Self::TEXT) else {
             return Err(RecordedWorldError::OneContact(name));
         };
-        let mut file = WorldFile::parse_edited(&Source::new(&name, text).edited(edits))?;
+        // The devices follow the recording, without hands. Traces of hands are in the folder of the scene.
+        let mut file = WorldFile::parse_led(&Source::new(&name, text).edited(edits))?;
         let tools = file.scene.world.tools.iter();
         let names: Vec<_> = tools.map(|tool| tool.name.as_str()).collect();
         let frames = frames_of_devices(&recording.metadata, &names)

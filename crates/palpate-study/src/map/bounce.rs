@@ -209,7 +209,18 @@ impl Bounce {
         method: MethodName,
         settings: Settings,
     ) -> Result<AnyRenderer<f64>, BounceError> {
+        self.limited_renderer(method, settings, None)
+    }
+
+    /// Creates that renderer with a limit of the force `[N]`.
+    pub(crate) fn limited_renderer(
+        &self,
+        method: MethodName,
+        settings: Settings,
+        force_limit: Option<f64>,
+    ) -> Result<AnyRenderer<f64>, BounceError> {
         let mut scene = self.scene(0.0, 1);
+        scene.loop_params.force_limit = force_limit;
         scene.loop_params.period *= self.model_period;
         scene.model_device_mass = Some(self.device.model_mass * self.device.mass);
         scene.model = self.model;

@@ -15,6 +15,14 @@ pub const RESTS_BELOW: f64 = 0.1;
 /// Force that presses a contact `[N]`.
 pub const PRESSED_WITH: f64 = 3.0;
 
+/// Force that presses a tapped contact, and the limit of its force, the default of a loop `[N]`. A blow is clipped by
+/// it.
+const TAPPED_WITH: f64 = 13.0;
+const FORCE_LIMIT: f64 = 20.0;
+
+/// Distances of a tapped device from its equilibrium `[m]`.
+const TAPS: [f64; 3] = [2e-4, 5e-4, 1e-3];
+
 /// Hands that hold the device, light and firm: mass `[kg]`, stiffness `[N/m]`, damping `[N s/m]`.
 const HANDS: [(f64, f64, f64); 2] = [(0.05, 300.0, 3.0), (0.1, 400.0, 20.0)];
 
@@ -97,7 +105,9 @@ impl Bounce {
         let mut ticks = 0;
         let mut worse = |force: f64| {
             HANDS.into_iter().try_fold(0.0, |worst: f64, hand| {
-                Ok::<_, BounceError>(self.swing(&renderer, force, hand, &mut ticks)?.max(worst))
+                let off = -(1.0 + BEGINS_OFF) * force / self.stiffness;
+                let swing = self.swing(&renderer, (force, off), hand, &mut ticks)?;
+                Ok::<_, BounceError>(swing.max(worst))
             })
         };
         let resting = if self.is_wall() {
@@ -109,12 +119,30 @@ impl Bounce {
         Ok((Stay { resting, pressed }, ticks))
     }
 
+    /// Simulates a contact that a hand taps, and presses on, so that the limit of the force clips the blow. Returns the
+    /// standard deviation of the force relative to the pressing force, in the worse hand, as [`Stay`] has it.
+    ///
+    /// # Errors
+    /// The bench or the method rejects a parameter.
+    pub fn tapped(&self, method: MethodName, settings: Settings) -> Result<f64, BounceError> {
+        let renderer = self.limited_renderer(method, settings, Some(FORCE_LIMIT))?;
+        let mut ticks = 0;
+        let taps = HANDS
+            .into_iter()
+            .flat_map(|hand| TAPS.map(|tap| (hand, tap)));
+        taps.into_iter().try_fold(0.0, |worst: f64, (hand, tap)| {
+            let tapped = (TAPPED_WITH, tap - TAPPED_WITH / self.stiffness);
+            let swing = self.swing(&renderer, tapped, hand, &mut ticks)?;
+            Ok(swing.max(worst))
+        })
+    }
+
     /// Returns the standard deviation of the force relative to `force` `[N]`, which presses device and object
-    /// together.
+    /// together from a distance `[m]`.
     fn swing(
         &self,
         renderer: &AnyRenderer<f64>,
-        force: f64,
+        (force, from): (f64, f64),
         hand: HandOnDevice,
         ticks: &mut u64,
     ) -> Result<f64, BounceError> {
@@ -128,9 +156,9 @@ impl Bounce {
                 device.viscous_friction + damping,
                 force,
             )?;
-            return self.swing_of(sprung.into(), renderer, force, ticks);
+            return self.swing_of(sprung.into(), renderer, (force, from), ticks);
         }
-        self.swing_of(self.general(force, hand)?, renderer, force, ticks)
+        self.swing_of(self.general(force, hand)?, renderer, (force, from), ticks)
     }
 
     /// Returns the device in a hand, with dry friction.
@@ -159,14 +187,13 @@ impl Bounce {
         &self,
         device: TickedDevice,
         renderer: &AnyRenderer<f64>,
-        force: f64,
+        (force, from): (f64, f64),
         ticks: &mut u64,
     ) -> Result<f64, BounceError> {
         let quantum = self.device.encoder_quantum;
-        let place = ObjectState::at_rest(-(1.0 + BEGINS_OFF) * force / self.stiffness);
         let params = TicksParams {
             renderer,
-            object: place,
+            object: ObjectState::at_rest(from),
             virtual_force: if self.is_wall() { 0.0 } else { -force },
             sampler: if quantum > 0.0 {
                 Sampler::quantum(quantum)?
@@ -326,10 +353,11 @@ mod tests {
                 let renderer = bounce.renderer(method, default_settings(method)).unwrap();
                 for hand in HANDS {
                     let mut ticks = 0;
-                    let fast = bounce.swing(&renderer, 3.0, hand, &mut ticks).unwrap();
+                    let pressed = (3.0, -3.3 / bounce.stiffness);
+                    let fast = bounce.swing(&renderer, pressed, hand, &mut ticks).unwrap();
                     let general = bounce.general(3.0, hand).unwrap();
                     let general = bounce
-                        .swing_of(general, &renderer, 3.0, &mut ticks)
+                        .swing_of(general, &renderer, pressed, &mut ticks)
                         .unwrap();
                     assert_eq!(ticks, 4000);
                     assert!(
@@ -339,5 +367,38 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A blow on a clipped wall of kappa 1 ends, and one on a light object finds a swing that the mere pressure does
+    /// not.
+    #[test]
+    fn a_tap_shows_what_pressing_does_not() {
+        let (mass, period) = (0.2, 1e-3);
+        let on = |kappa: f64, object_mass: f64| {
+            let of_map = MapParams::default().cell(0).bounce;
+            Bounce {
+                device: crate::map::BounceDevice {
+                    mass,
+                    viscous_friction: 0.0,
+                    ..of_map.device
+                },
+                stiffness: kappa * mass / (period * period),
+                object_mass,
+                period,
+                ..of_map
+            }
+        };
+        let swings = |bounce: Bounce, method| {
+            let settings = default_settings(method);
+            let pressed = bounce.stay(method, settings).unwrap().0.pressed;
+            (pressed, bounce.tapped(method, settings).unwrap())
+        };
+        let (pressed, tapped) = swings(on(1.0, f64::INFINITY), MethodName::Coupled);
+        assert!(pressed < 1e-3 && tapped < 1e-3, "{pressed} {tapped}");
+        // 70 N/m in a hand of 400 N/m: the hand does not take the force of a soft wall.
+        let (pressed, tapped) = swings(on(3.5e-4, f64::INFINITY), MethodName::Coupled);
+        assert!(pressed < 1e-3 && tapped < 1e-3, "{pressed} {tapped}");
+        let (pressed, tapped) = swings(on(3.0, 0.05), MethodName::Hfcr);
+        assert!(pressed < 0.01 && tapped > 0.5, "{pressed} {tapped}");
     }
 }

@@ -3,8 +3,8 @@
 use palpate_core::{Actuation, Hold, LARGEST_DELAY};
 use palpate_scene::Scene;
 
-/// Returns the true values of a scene's actuator and its renderer's model values, by key, and `hold_order` 1 if it holds
-/// lines. Empty for an ideal actuator of constants with a correctly modelled delay of whole samples.
+/// Returns the true values of a scene's actuator and its renderer's model values, by key, and `hold_order` 1 if it
+/// holds lines. Empty for an ideal actuator of constants with a correctly modelled delay of whole samples.
 #[must_use]
 pub fn of(scene: &Scene) -> Vec<(&'static str, f64)> {
     let actuation = scene.model_actuation();

@@ -11,7 +11,8 @@ const HALVINGS: usize = 100;
 /// A force without a leak, which depends on the device's motion under that force: no renderer has it. HFCR replaces the
 /// motion by a prediction.
 ///
-/// For an undamped point mass under a constant force, in a loop without delay. All vectors are positive into the object.
+/// For an undamped point mass under a constant force, in a loop without delay. All vectors are positive into the
+/// object.
 #[derive(Clone, Copy, Debug)]
 pub struct AcausalParams {
     /// Mass m of the device `[kg]`, greater than 0.

@@ -59,8 +59,8 @@ impl<'a> Bench<'a> {
     /// Like [`new`](Self::new), but `device` replaces the scene's device and hand. It starts in its present state, on
     /// the scene's side of the object, in the user's frame. The scene's device then determines only the model values of
     /// the renderer (effective mass and encoder quantum) and the encoder itself. The ideal is integrated on a copy of
-    /// `device`, so [`DevicePlant::advance`](palpate_testbed::device::DevicePlant::advance) should be exact, or much more
-    /// accurate than the effects to be measured.
+    /// `device`, so [`DevicePlant::advance`](palpate_testbed::device::DevicePlant::advance) should be exact, or much
+    /// more accurate than the effects to be measured.
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
@@ -196,8 +196,8 @@ impl<'a> Bench<'a> {
     }
 
     /// Like [`run`](Self::run), for a variant of this bench's scene: a copy with other settings of its methods, another
-    /// guard or hold, another model mass or model actuator, or, if the loop is perfect otherwise, another delay. The ideal
-    /// depends on none of them, so one bench serves all such scenes.
+    /// guard or hold, another model mass or model actuator, or, if the loop is perfect otherwise, another delay. The
+    /// ideal depends on none of them, so one bench serves all such scenes.
     ///
     /// # Errors
     /// Those of [`run`](Self::run), or `scene` differs in anything else.

@@ -1,8 +1,8 @@
 //! Replay of a recorded hand: predicts the device's motion under another force.
 //!
 //! A recorded motion results from the force of a hand and, if the motor was on, of the motor. In a plain
-//! [`replay`](crate::sim::replay) the rendered force cannot move the device. Here the hand's force is estimated from the
-//! motion, and the loop is closed again:
+//! [`replay`](crate::sim::replay) the rendered force cannot move the device. Here the hand's force is estimated from
+//! the motion, and the loop is closed again:
 //!
 //! ```
 //! use std::sync::Arc;

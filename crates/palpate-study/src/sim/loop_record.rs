@@ -136,8 +136,8 @@ impl LoopRecord {
         });
     }
 
-    /// Moves the device while a line is held at the actuator's input for `duration` `[s]`: its mean over one period `[N]`,
-    /// and its slope `[N/s]`.
+    /// Moves the device while a line is held at the actuator's input for `duration` `[s]`: its mean over one period
+    /// `[N]`, and its slope `[N/s]`.
     fn drive<M: Method<f64>>(
         &mut self,
         in_progress: &mut SampledLoop<'_, M, Plant>,

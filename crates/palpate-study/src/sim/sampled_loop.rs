@@ -1,8 +1,8 @@
 //! One step of the sampled-data loop: sample, render, hold, advance.
 //!
-//! [`Bench`](crate::sim::closed_loop::Bench) takes these steps over a whole window and keeps every tick. A study that needs
-//! less of a run takes the steps itself. [`SampledLoop`] has no clock: its caller determines the sample instants and
-//! the durations of the held forces.
+//! [`Bench`](crate::sim::closed_loop::Bench) takes these steps over a whole window and keeps every tick. A study that
+//! needs less of a run takes the steps itself. [`SampledLoop`] has no clock: its caller determines the sample instants
+//! and the durations of the held forces.
 
 use palpate_core::{Method, ObjectState, Output, ParameterError, Renderer, Sample, State};
 use palpate_testbed::InvalidParameter;
@@ -135,8 +135,8 @@ impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
         self.sign * self.device.given_force(self.sign * command)
     }
 
-    /// Returns the line on the object that is sent to the motor for an output: its mean `[N]`, and the slope `[N/s]` with
-    /// which its ends stay within the motor's limit.
+    /// Returns the line on the object that is sent to the motor for an output: its mean `[N]`, and the slope `[N/s]`
+    /// with which its ends stay within the motor's limit.
     #[inline]
     pub fn given_line(&self, output: &Output<f64>) -> (f64, f64) {
         let mean = self.given_force(output.force_on_object);

@@ -55,8 +55,8 @@ impl VirtualDevice {
         -delivered.work
     }
 
-    /// Advances by `duration` `[s]` under a line on the device: its mean over this duration `[N]` and its slope `[N/s]`, as
-    /// [`given_line`](Self::given_line) limits them. Returns the work of the delivered force `[J]`.
+    /// Advances by `duration` `[s]` under a line on the device: its mean over this duration `[N]` and its slope
+    /// `[N/s]`, as [`given_line`](Self::given_line) limits them. Returns the work of the delivered force `[J]`.
     pub fn hold_line(&mut self, mean: f64, slope: f64, duration: f64) -> f64 {
         let (mean, slope) = (-self.sign * mean, -self.sign * slope);
         let delivered = self
@@ -65,8 +65,8 @@ impl VirtualDevice {
         -delivered.work
     }
 
-    /// Line on the device that is sent to the motor where it is to hold a line of this `mean` `[N]` and `slope` `[N/s]` over
-    /// `period` `[s]`: the mean is limited, then the slope such that both ends are within the limit.
+    /// Line on the device that is sent to the motor where it is to hold a line of this `mean` `[N]` and `slope` `[N/s]`
+    /// over `period` `[s]`: the mean is limited, then the slope such that both ends are within the limit.
     #[must_use]
     pub fn given_line(&self, mean: f64, slope: f64, period: f64) -> (f64, f64) {
         let given = self.given_force(mean);

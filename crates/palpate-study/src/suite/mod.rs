@@ -2,8 +2,8 @@
 //!
 //! A chosen scene shows the quality of a method on that scene only. [`RandomPlant`] draws devices, hands, objects and
 //! sensors over the whole range of desktop devices. [`run`] evaluates columns of methods on them, under the
-//! [`Condition`]s of a [`Set`], and [`summary`] returns the distribution of the errors. `docs/results/suite.md` describes
-//! the distributions of the plants.
+//! [`Condition`]s of a [`Set`], and [`summary`] returns the distribution of the errors. `docs/results/suite.md`
+//! describes the distributions of the plants.
 
 mod chance;
 mod column;

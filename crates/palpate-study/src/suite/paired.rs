@@ -48,8 +48,8 @@ impl Median {
 }
 
 /// Returns the index of the lower end of the interval among `count` sorted values: k for the largest k with
-/// P(X <= k) <= 2.5 % of a binomial distribution with probability 1/2. Too few values have no such k; the interval is then
-/// their range.
+/// P(X <= k) <= 2.5 % of a binomial distribution with probability 1/2. Too few values have no such k; the interval is
+/// then their range.
 fn lower_rank(count: usize) -> usize {
     let outside = 0.5 - 0.005 * CONFIDENCE_PERCENT;
     let n = count as f64;
@@ -63,8 +63,8 @@ fn lower_rank(count: usize) -> usize {
     outside_ranks.count().saturating_sub(1)
 }
 
-/// Returns the comparison of each column under a `condition`, in the order of the columns; `None` for the column with the
-/// least median, and without a plant.
+/// Returns the comparison of each column under a `condition`, in the order of the columns; `None` for the column with
+/// the least median, and without a plant.
 pub(super) fn paired(scores: &[Score], columns: usize, condition: usize) -> Vec<Option<Paired>> {
     let errors: Vec<Vec<f64>> = (0..columns)
         .map(|column| {

@@ -123,10 +123,10 @@ impl<'a> Periods<'a> {
     }
 }
 
-/// Writes a row per method, sample and device: its position and the commanded force, also its orientation if it
-/// rotates, and its torque if it has one; then the mean force over the period from the sample, of its actuator and of
-/// the ideal, the ideal's position at the sample, and the ideal's mean torque. Cells beyond the ideal's window are
-/// empty.
+/// Writes a row per method, sample and device: its position and the commanded force, also the slope of that force if
+/// commands are lines, its orientation if it rotates, and its torque if it has one; then the mean force over the period
+/// from the sample, of its actuator and of the ideal, the ideal's position at the sample, and the ideal's mean torque.
+/// Cells beyond the ideal's window are empty.
 ///
 /// # Errors
 /// The writer fails.
@@ -141,6 +141,10 @@ pub fn write(
     let mut header = vec![
         "method", "device", "t_s", "x_m", "y_m", "z_m", "fx_n", "fy_n", "fz_n",
     ];
+    let holds_lines = !scene.render.actuation.hold.is_constant();
+    if holds_lines {
+        header.extend(["slope_x_n_per_s", "slope_y_n_per_s", "slope_z_n_per_s"]);
+    }
     if turns {
         header.extend(["qw", "qx", "qy", "qz"]);
     }
@@ -163,6 +167,10 @@ pub fn write(
                 let forces = &run.commanded[sample][device];
                 let mut row = vec![run.method.clone(), tool.name.clone(), time.to_string()];
                 row.extend(position.iter().chain(forces).map(ToString::to_string));
+                if holds_lines {
+                    let slopes = &run.commanded_slopes[sample][device];
+                    row.extend(slopes.iter().map(ToString::to_string));
+                }
                 if turns {
                     let orientation = &run.orientations[sample][device];
                     row.extend(orientation.iter().map(ToString::to_string));

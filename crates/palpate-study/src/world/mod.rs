@@ -41,6 +41,9 @@ pub struct WorldReport {
     pub lag_s: f64,
     /// Ratio of delivered to commanded force.
     pub gain: f64,
+    /// Order of the hold: 1 if commands are lines. Omitted for constants.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hold_order: Option<u8>,
     /// Further imperfections of the loop.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     pub timing: serde_json::Map<String, serde_json::Value>,
@@ -285,9 +288,10 @@ impl WorldReport {
             format: FORMAT,
             title: scene.title.clone(),
             period_s: scene.timing.period,
-            delay_s: scene.timing.actuator().delay,
+            delay_s: scene.timing.delay.time(scene.timing.period),
             lag_s: scene.timing.actuator.lag,
             gain: scene.timing.actuator.gain,
+            hold_order: (!scene.render.actuation.hold.is_constant()).then_some(1),
             timing: timing_of(Delay::NONE, imperfections),
             seed: scene.random_seed(),
             timing_in_words: timing_in_words(Delay::NONE, imperfections, noise).join(", "),

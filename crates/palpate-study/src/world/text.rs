@@ -64,6 +64,7 @@ impl WorldReport {
         } else {
             String::new()
         };
+        let hold = self.hold_order.map_or("", |_| ", commands are lines");
         let shortened = self.chaotic_from_s.map_or_else(String::new, |from| {
             format!(
                 "; the window ends at {} s, where the ideal's motion begins to depend on its steps",
@@ -78,7 +79,7 @@ impl WorldReport {
             words => format!(", {words}"),
         };
         format!(
-            "period {} s{delay}{lag}{imperfect}; {} over {} s; the ideal has {} and penetration up to {} m{agrees}{shortened}",
+            "period {} s{delay}{lag}{hold}{imperfect}; {} over {} s; the ideal has {} and penetration up to {} m{agrees}{shortened}",
             digits(self.period_s),
             counted(self.samples, "sample"),
             digits(self.window_s),

@@ -1,5 +1,5 @@
-//! Worlds that are hard to compute: light bodies at slow rates, strong dampers, impacts of perfect sensors, forces that begin at 0,
-//! hollows of many faces, and worlds that are turned as a whole.
+//! Worlds that are hard to compute: light bodies at slow rates, strong dampers, impacts of perfect sensors, forces that
+//! begin at 0, hollows of many faces, and worlds that are turned as a whole.
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // what was measured
 
@@ -161,7 +161,8 @@ fn ledger_excludes_unstable_motion_of_rejected_samples() {
                 run.refused
             );
             assert!(run.refused >= 50, "{}", run.refused);
-            // Where every other sample is used, the device is pushed by the drawer at its start: as deep as it is there.
+            // Where every other sample is used, the device is pushed by the drawer at its start: as deep as it is
+            // there.
             assert!(created.abs() < 0.1 && dissipated < 0.1 && off == 0.0);
             let stored: f64 = ledger.joints.iter().map(|entry| entry.stored).sum();
             let at_start = if strong.contains("rest_m") { 5e-3 } else { 0.0 };

@@ -226,7 +226,8 @@ fn a_plane_that_is_not_one_of_the_world() {
     }
 }
 
-/// The vectors of the world, of a device of the world's axes, are those of a device of the axes that the world is turned by.
+/// The vectors of the world, of a device of the world's axes, are those of a device of the axes that the world is
+/// turned by.
 #[test]
 fn every_method_pushes_in_a_turned_world_as_it_does_in_the_world() {
     let turned =

@@ -162,8 +162,8 @@ fn model_mass_and_inertia_errors_keep_six_axes_near_hold_bound() {
     }
 }
 
-/// With the device known and no offset given back, what is left is that of the sub-steps. The peg touches at the first sample,
-/// which cannot tell how hard the hand pushes: that push counts, too, where there is one.
+/// With the device known and no offset given back, what is left is that of the sub-steps. The peg touches at the first
+/// sample, which cannot tell how hard the hand pushes: that push counts, too, where there is one.
 #[test]
 fn with_the_device_known_forces_and_torques_are_at_the_floor() {
     let fine = SubSteps {

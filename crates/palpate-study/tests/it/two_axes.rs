@@ -7,7 +7,8 @@ use palpate_study::sim::world::{WorldBench, WorldRun};
 use palpate_testbed::world::LedPath;
 use palpate_world::{CoupledParams, Prior, SubSteps, WorldLoop, WorldMethod, WorldRenderer};
 
-/// A device in the plane x, y, pushed by a constant force: nothing about it is unknown but what its observer has to find.
+/// A device in the plane x, y, pushed by a constant force: nothing about it is unknown but what its observer has to
+/// find.
 const DEVICE: &str = r#"
 format = 2
 [loop]
@@ -297,8 +298,8 @@ duration_s = 0.25
     assert!(torque.fold(0.0, f64::max) > 0.005);
 }
 
-/// A device that has all axes and can hardly be moved along z is one that lacks z, within what still moves it: 10 N on 1e6 kg
-/// go 0.3 um in 0.25 s, which is 1 mN at 4 kN/m.
+/// A device that has all axes and can hardly be moved along z is one that lacks z, within what still moves it: 10 N on
+/// 1e6 kg go 0.3 um in 0.25 s, which is 1 mN at 4 kN/m.
 #[test]
 fn a_huge_mass_along_the_third_axis_gives_the_same_forces_in_the_plane() {
     for (name, of, _) in SCENES {
@@ -318,8 +319,8 @@ fn a_huge_mass_along_the_third_axis_gives_the_same_forces_in_the_plane() {
     }
 }
 
-/// Replayed along a motion that also goes along z, as a passive slide there would: nothing is commanded along z, and the tool
-/// is where the motion has it.
+/// Replayed along a motion that also goes along z, as a passive slide there would: nothing is commanded along z, and
+/// the tool is where the motion has it.
 #[test]
 fn a_recorded_motion_along_an_axis_without_a_motor_is_followed() {
     let scene = scene(BALL, 0.001).led();
@@ -361,8 +362,8 @@ fn a_device_of_one_axis_is_rendered_too() {
     );
 }
 
-/// The methods that are there for comparison push in the plane as the ideal does, more or less: their springs stand for the same
-/// stiffness, whichever way the contact's normal points.
+/// The methods that are there for comparison push in the plane as the ideal does, more or less: their springs stand for
+/// the same stiffness, whichever way the contact's normal points.
 #[test]
 fn every_method_pushes_in_the_plane_only() {
     let mut scene = scene(BALL, 0.001);

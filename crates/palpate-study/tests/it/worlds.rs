@@ -4,6 +4,7 @@
 
 use palpate_scene::world::{WorldFile, usual_guard};
 use palpate_study::sim::world::{WorldBench, WorldRun, as_evaluated};
+use palpate_study::world::{WorldReport, forces};
 use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::world::LedPath;
 use palpate_world::WorldGuard;
@@ -102,6 +103,28 @@ fn lines_of_a_groove_are_at_the_bound_of_lines() {
         let scene = WorldFile::parse("scene.toml", &source).unwrap().scene;
         let error = scene.renderer("basic").unwrap_err().first().to_string();
         assert!(error.contains("basic plans constants"), "{error}");
+        // Report and table have what the commands are.
+        let bench = WorldBench::new(&scene).unwrap();
+        let runs = [run];
+        let report = WorldReport::new(&scene, &bench, &runs);
+        assert_eq!(report.hold_order, Some(1));
+        assert!(
+            report.to_string().contains("commands are lines"),
+            "{report}"
+        );
+        let mut table = Vec::new();
+        forces::write(&mut table, &scene, &bench, &runs).unwrap();
+        let mut rows = csv::Reader::from_reader(&table[..]);
+        let place = rows
+            .headers()
+            .unwrap()
+            .iter()
+            .position(|name| name == "slope_z_n_per_s");
+        let written = rows
+            .records()
+            .map(|row| row.unwrap()[place.unwrap()].parse::<f64>().unwrap());
+        let commanded = runs[0].commanded_slopes.iter().map(|of| of[0][2]);
+        assert!(written.eq(commanded));
     }
 }
 
@@ -211,9 +234,22 @@ fn on_a_recorded_motion_the_ideal_is_that_of_the_motion_and_coupled_is_nearer_to
     let (coupled, basic) = (error(&coupled), error(&basic));
     println!("led: E basic {basic} %, coupled {coupled} %");
     assert!(coupled < 0.5 * basic && basic > 1.0, "{coupled} {basic}");
+
+    // Commands that are late by more than a period have all arrived before the motion ends.
+    let jitter = "delay_s = 0.0004\ncommand_jitter_s = 0.0028";
+    let late = source.replace("period_s = 0.001", &format!("period_s = 0.001\n{jitter}"));
+    let scene = WorldFile::parse("scene.toml", &late).unwrap().scene.led();
+    let positions: Vec<_> = times.iter().map(place).collect();
+    let bench = WorldBench::led(&scene, LedPath::new(times, positions).unwrap()).unwrap();
+    assert_eq!(bench.samples().len(), 196);
+    let run = bench
+        .run("basic", &scene.renderer("basic").unwrap())
+        .unwrap();
+    assert!(error(&run) > basic, "{}", error(&run));
 }
 
-/// The committed worlds of three axes, each by its file's name; `six_axes.rs` has the others, and `hard_worlds.rs` the bowl.
+/// The committed worlds of three axes, each by its file's name; `six_axes.rs` has the others, and `hard_worlds.rs` the
+/// bowl.
 fn committed() -> Vec<(String, String)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/worlds");
     let mut worlds: Vec<_> = std::fs::read_dir(folder)
@@ -382,8 +418,8 @@ fn of_two_meshes_the_points_of_the_smaller_one_touch() {
     assert!((alone - together).abs() < 1e-9, "{alone} {together}");
 }
 
-/// A point slides deep across an edge of a cube of triangles, where the force turns from the normal of one face to that of
-/// another. Without finer sub-steps there, E is 4 %.
+/// A point slides deep across an edge of a cube of triangles, where the force turns from the normal of one face to that
+/// of another. Without finer sub-steps there, E is 4 %.
 #[test]
 fn a_point_that_slides_across_a_sharp_edge_is_rendered_as_its_ideal_moves() {
     let source = r#"

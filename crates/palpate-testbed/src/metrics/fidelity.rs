@@ -15,13 +15,13 @@ use crate::profile::ForceProfile;
 ///
 /// The intervals are those over which the loop actually holds one command; in a perfect loop each lasts one period.
 ///
-/// A line of mean f_i and slope s_i has the first moment s_i h_i³/12. With J1_i = ∫ f (t − t₀) dt of the ideal force about
-/// the middle of the interval, FRE gains s_i² h_i³/12 − 2 s_i J1_i, the bound −12 J1_i²/h_i³, and E
+/// A line of mean f_i and slope s_i has the first moment s_i h_i³/12. With J1_i = ∫ f (t − t₀) dt of the ideal force
+/// about the middle of the interval, FRE gains s_i² h_i³/12 − 2 s_i J1_i, the bound −12 J1_i²/h_i³, and E
 /// h_i³/12 (s_i − 12 J1_i/h_i³)².
 ///
 /// The sum in FRE is the expanded form of ∫ (f_held − f)² dt and involves no sampling. Taking means is an orthogonal
-/// projection, and so is the nearest line, hence FRE² = floor² + E²: the bound depends only on the loop and its hold, E on the renderer. Each is
-/// computed by its own formula.
+/// projection, and so is the nearest line, hence FRE² = floor² + E²: the bound depends only on the loop and its hold, E
+/// on the renderer. Each is computed by its own formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Fidelity {
@@ -57,8 +57,8 @@ impl Fidelity {
     }
 }
 
-/// Least share of ∫ f² along all axes that is a force along one of them: the ideal is computed to 1e-11 of a step, and a force of
-/// 1e-8 of the whole is rounding.
+/// Least share of ∫ f² along all axes that is a force along one of them: the ideal is computed to 1e-11 of a step, and
+/// a force of 1e-8 of the whole is rounding.
 const MIN_SHARE: f64 = 1e-16;
 
 /// The sums from which a [`Fidelity`] follows.
@@ -108,8 +108,8 @@ impl ErrorSums {
         self.ideal
     }
 
-    /// The errors along an axis of a force whose ∫ f² along all axes is `all`; `None` if the ideal force along this axis
-    /// is 0 or rounding, below [`MIN_SHARE`] of `all`.
+    /// The errors along an axis of a force whose ∫ f² along all axes is `all`; `None` if the ideal force along this
+    /// axis is 0 or rounding, below [`MIN_SHARE`] of `all`.
     pub(crate) fn fidelity_beside(&self, period: f64, all: f64) -> Option<Fidelity> {
         let ideal = self.ideal;
         if ideal <= MIN_SHARE * all || ideal <= 0.0 {
@@ -167,8 +167,8 @@ impl<'a> FidelityMeter<'a> {
             .add(force, *impulse, *squared, duration, self.profile.period());
     }
 
-    /// The line of mean `force` `[N]` and `slope` `[N/s]` held over the next interval, as [`hold`](Self::hold). Use one of
-    /// the two throughout: the bound is that of the hold.
+    /// The line of mean `force` `[N]` and `slope` `[N/s]` held over the next interval, as [`hold`](Self::hold). Use one
+    /// of the two throughout: the bound is that of the hold.
     #[inline]
     pub fn hold_line(&mut self, force: f64, slope: f64) {
         if let Some(moment) = self.profile.moments().get(self.interval) {

@@ -1,9 +1,9 @@
 //! Metrics of a rendering: the force held over each period compared with the ideal force.
 //!
-//! [`ForceEvaluation`] needs only the held forces and applies to closed loops and open-loop replays. [`EnergyEvaluation`]
-//! and [`ReboundSpeed`] need the resulting motion, so they apply to closed loops only; [`EnergyEvaluation`] also
-//! requires that only the held forces change the loop's energy. All metrics cover one window, that of the
-//! [`ForceProfile`].
+//! [`ForceEvaluation`] needs only the held forces and applies to closed loops and open-loop replays.
+//! [`EnergyEvaluation`] and [`ReboundSpeed`] need the resulting motion, so they apply to closed loops only;
+//! [`EnergyEvaluation`] also requires that only the held forces change the loop's energy. All metrics cover one window,
+//! that of the [`ForceProfile`].
 //!
 //! Errors of the force are in percent, after the literature; errors of single collisions and of
 //! energy are plain ratios.

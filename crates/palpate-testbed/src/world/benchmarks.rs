@@ -1,4 +1,5 @@
-//! The benchmark scenes of worlds: a groove, a pushed block, a paddle, a pinch, a row of balls, a stack of boxes, joints, and meshes.
+//! The benchmark scenes of worlds: a groove, a pushed block, a paddle, a pinch, a row of balls, a stack of boxes,
+//! joints, and meshes.
 //!
 //! All have a hand of 60 N/m and 1.5 N s/m, unequal masses along the axes, sensors of 2 µm, and a material damping
 //! in every contact: without it contacts ring for ever, and after a while an error of force is one of phase. Each

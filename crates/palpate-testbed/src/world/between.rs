@@ -1,9 +1,9 @@
 //! Two convex solids with flat faces: which plane is between them, and how they lie across it.
 //!
-//! Every face of a solid bounds a half-space, of which the corners of the other one are above or below; two edges that cross
-//! span a plane. A plane's *overlap* p is such that K p²/2 is stored by it: with corners at depths d, p² = Σ max(0, d)²/n where n
-//! corners share the law, and with edges p is how far one has passed the other. The solids touch across the plane of least
-//! overlap.
+//! Every face of a solid bounds a half-space, of which the corners of the other one are above or below; two edges that
+//! cross span a plane. A plane's *overlap* p is such that K p²/2 is stored by it: with corners at depths d, p² = Σ
+//! max(0, d)²/n where n corners share the law, and with edges p is how far one has passed the other. The solids touch
+//! across the plane of least overlap.
 
 use std::collections::HashMap;
 

@@ -73,7 +73,8 @@ pub(super) struct Contact {
     pub solids: Option<(Arc<Solids>, usize)>,
     /// Of a capsule on another convex solid, both of them, and the end.
     pub rod: Option<(Arc<Rod>, usize)>,
-    /// Of a cylinder on a solid with flat faces or another cylinder, both of them, and the contact's number among those of the pair.
+    /// Of a cylinder on a solid with flat faces or another cylinder, both of them, and the contact's number among those
+    /// of the pair.
     pub cylinder: Option<(Arc<Cylinder>, usize)>,
     /// Of a point on a mesh by its field, that field.
     pub field: Option<Arc<Field>>,

@@ -20,8 +20,8 @@ const BESIDE: i32 = 8;
 /// Sine of the angle of parallel tangents.
 const PARALLEL: f64 = 1e-6;
 
-/// A rim of the cylinder and one of the other, and how their tangents cross: two places where they cross in the two ways can be near
-/// to each other.
+/// A rim of the cylinder and one of the other, and how their tangents cross: two places where they cross in the two
+/// ways can be near to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Crossing {
     pub rims: [u8; 2],

@@ -321,8 +321,8 @@ impl<'a> Lying<'a> {
         }
     }
 
-    /// The plane of least overlap, which is another one than `now` where that is less by a margin; of two that are apart, any
-    /// plane between them.
+    /// The plane of least overlap, which is another one than `now` where that is less by a margin; of two that are
+    /// apart, any plane between them.
     fn least(&self, now: Option<Plane>, slack: f64) -> Plane {
         let (mut plane, mut least) =
             now.map_or((Plane::Face(0), f64::INFINITY), |now| self.overlap(now));
@@ -490,7 +490,8 @@ impl<'a> Lying<'a> {
         plane.point(place, self.flat.velocity_at(place))
     }
 
-    /// The deepest corner behind a plane, which is another one than `now` where that is deeper by a margin; and how deep.
+    /// The deepest corner behind a plane, which is another one than `now` where that is deeper by a margin; and how
+    /// deep.
     fn deepest(&self, plane: &Moving, now: usize) -> (usize, f64) {
         let depth = |corner: usize| match &self.other {
             Some(other) => other.behind(corner, plane).deepest(),

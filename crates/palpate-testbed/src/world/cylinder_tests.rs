@@ -282,8 +282,8 @@ fn reach_of([radius, half_length]: [f64; 2], placed: &Placed, along: Vec3) -> f6
     half_length * along.abs() + radius * (1.0 - along * along).max(0.0).sqrt()
 }
 
-/// Whether two solids are apart, by going from each to the nearest place of the other one by turns: until there is no way
-/// left, or a plane across the way has one solid on each side.
+/// Whether two solids are apart, by going from each to the nearest place of the other one by turns: until there is no
+/// way left, or a plane across the way has one solid on each side.
 fn are_apart(solid: &Solid, one: Pose, other: Pose) -> bool {
     let (round, base) = (placed(one), placed(other));
     let size = [solid.cylinder.radius, solid.cylinder.half_length];
@@ -352,8 +352,8 @@ fn a_cylinder_pushes_if_and_only_if_it_overlaps() {
     }
 }
 
-/// Along a way by chance, through the surfaces and over faces, edges and rims, the energy has no jump: its change over a
-/// step is what the forces at both ends have done, or falls short of it where another plane takes over.
+/// Along a way by chance, through the surfaces and over faces, edges and rims, the energy has no jump: its change over
+/// a step is what the forces at both ends have done, or falls short of it where another plane takes over.
 #[test]
 fn the_energy_of_a_cylinder_has_no_jump() {
     let mut chance = Chance::new(14);

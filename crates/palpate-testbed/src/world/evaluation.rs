@@ -37,7 +37,8 @@ pub struct DeviceEvaluation {
     pub force: Option<Fidelity>,
     /// The torques alone; `None` for a device that gives none.
     pub torque: Option<TorqueEvaluation>,
-    /// Along each of the device's axes; `None` where the ideal force is 0 or rounding, below 1e-8 of the force along all axes.
+    /// Along each of the device's axes; `None` where the ideal force is 0 or rounding, below 1e-8 of the force along
+    /// all axes.
     pub axes: [Option<Fidelity>; 3],
     /// Each ideal touch that the held forces can show apart, in order.
     pub touches: Vec<ContactEvaluation>,

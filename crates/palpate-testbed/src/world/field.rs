@@ -45,8 +45,9 @@ fn basis(off: f64) -> [f64; 3] {
 }
 
 impl Field {
-    /// A function by its `coefficients` `[m]`, one for each of `counts` nodes along each axis, those along x fastest. The
-    /// first node is at `first` `[m]`, others at multiples of `spacing` `[m]` along the axes that `orientation` turns the body's to.
+    /// A function by its `coefficients` `[m]`, one for each of `counts` nodes along each axis, those along x fastest.
+    /// The first node is at `first` `[m]`, others at multiples of `spacing` `[m]` along the axes that `orientation`
+    /// turns the body's to.
     ///
     /// `None` if there are other coefficients than nodes, or fewer than four nodes along an axis.
     #[must_use]
@@ -69,8 +70,8 @@ impl Field {
         })
     }
 
-    /// The function at a place that moves with a velocity. Beyond the nodes that have neighbours it is the distance from
-    /// these and a spacing.
+    /// The function at a place that moves with a velocity. Beyond the nodes that have neighbours it is the distance
+    /// from these and a spacing.
     pub(super) fn at(&self, place: Vec3, velocity: Vec3) -> At {
         let inv = 1.0 / self.spacing;
         let steps = self.rotation.back(place - self.first) * inv;

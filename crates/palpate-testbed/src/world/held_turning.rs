@@ -9,8 +9,8 @@ use crate::actuator::{Actuator, ActuatorParams};
 
 /// Longest step of the integration `[s]`: a device turns by a small part of a turn in it.
 const LONGEST_STEP: f64 = 6.25e-5;
-/// Longest step in units of the time in which a device gives way in its hand. The method of order 5 is stable up to 3.3 against a
-/// damper,
+/// Longest step in units of the time in which a device gives way in its hand. The method of order 5 is stable up to 3.3
+/// against a damper,
 const STEP_IN_RATES: f64 = 2.0;
 /// and up to 1 against a spring alone, which counts as so much faster.
 const SPRING: f64 = 2.2;
@@ -41,8 +41,8 @@ fn rate(turning: &Turning) -> f64 {
 }
 
 impl HeldTurning {
-    /// Fastest rate of a device in its hand that a loop can follow in the time of a tick `[rad/s]`: the hand's damping over the least
-    /// moment of inertia, and 2.2 times the root of its stiffness over that.
+    /// Fastest rate of a device in its hand that a loop can follow in the time of a tick `[rad/s]`: the hand's damping
+    /// over the least moment of inertia, and 2.2 times the root of its stiffness over that.
     pub const FASTEST: f64 = STEP_IN_RATES / LONGEST_STEP;
 
     /// Creates a device in its initial state, with an actuator about each axis that gives no torque yet.
@@ -104,7 +104,7 @@ impl HeldTurning {
     }
 
     /// Releases the device permanently.
-    pub(super) fn release(&mut self) {
+    pub fn release(&mut self) {
         self.turning.hand = TurningHand::none();
     }
 

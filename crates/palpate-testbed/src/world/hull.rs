@@ -8,8 +8,8 @@ use super::scene::Vector;
 use super::vector::Vec3;
 use super::wrapping::{Wrapped, normal_of};
 
-/// A part of a hull's surface: a face, the edge between two corners, or a corner, by their numbers. A hull of 64 corners has at
-/// most 124 faces.
+/// A part of a hull's surface: a face, the edge between two corners, or a corner, by their numbers. A hull of 64
+/// corners has at most 124 faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum OfHull {
     Face(u8),

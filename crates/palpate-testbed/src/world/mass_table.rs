@@ -4,9 +4,10 @@
 //! (M v)′ = f + grad (vᵀ M v/2)     so     M v′ = f + vᵀ (grad M) v/2 − (v · grad M) v
 //! ```
 //!
-//! The mass matrix M of a place is interpolated: in each cell of a grid it is a cubic along each axis, in Bézier's form. From place
-//! to place along an axis its slope is that of the parabola through three neighbours, so M has no kink between cells. All control
-//! matrices are positive definite, and so is each matrix between them, which is a mean of them.
+//! The mass matrix M of a place is interpolated: in each cell of a grid it is a cubic along each axis, in Bézier's
+//! form. From place to place along an axis its slope is that of the parabola through three neighbours, so M has no kink
+//! between cells. All control matrices are positive definite, and so is each matrix between them, which is a mean of
+//! them.
 
 use std::array::from_fn;
 
@@ -109,7 +110,8 @@ impl MassTable {
         self.axes.map(|axis| Vec3(axis).dot(vector))
     }
 
-    /// Acceleration in the world `[m/s²]` of `device`, whose table it is, at a place with a velocity, under a force of everything.
+    /// Acceleration in the world `[m/s²]` of `device`, whose table it is, at a place with a velocity, under a force of
+    /// everything.
     pub(super) fn acceleration(
         &self,
         device: &WorldDevice,

@@ -384,8 +384,9 @@ impl WorldPlant {
 
     /// Advances by a `duration` `[s]` under forces `[N]` and torques `[N m]`, as
     /// [`hold_wrenches`](Self::hold_wrenches) does, within the interval that has begun. Each force is the mean over a
-    /// period, from the beginning of that interval on, of a line with the slope of the same device `[N/s]`; a missing slope
-    /// counts as 0. A slope needs actuators without lag, motors without a largest force, and a device without a mass table.
+    /// period, from the beginning of that interval on, of a line with the slope of the same device `[N/s]`; a missing
+    /// slope counts as 0. A slope needs actuators without lag, motors without a largest force, and a device without a
+    /// mass table.
     pub fn advance(
         &mut self,
         forces: &[Vector],
@@ -410,7 +411,8 @@ impl WorldPlant {
         }
     }
 
-    /// Forgets what was delivered up to now, but for the interval in progress: a loop without an end has no room for it.
+    /// Forgets what was delivered up to now, but for the interval in progress: a loop without an end has no room for
+    /// it.
     pub fn forget_delivered(&mut self) {
         let forgotten = self.durations.len().saturating_sub(1);
         self.durations.drain(..forgotten);

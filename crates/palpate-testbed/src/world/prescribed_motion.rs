@@ -159,8 +159,20 @@ impl LedPath {
         .collect()
     }
 
-    /// Returns the position of the first device at a time `[m]`, its velocity after that time `[m/s]`, and the end of the
-    /// present line `[s]`, infinite from the last point on.
+    /// Returns the times of its points `[s]`.
+    #[must_use]
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Returns the positions of the devices at its points: `[point][device]` `[m]`.
+    #[must_use]
+    pub fn positions(&self) -> &[Vec<Vector>] {
+        &self.positions
+    }
+
+    /// Returns the position of the first device at a time `[m]`, its velocity after that time `[m/s]`, and the end of
+    /// the present line `[s]`, infinite from the last point on.
     pub(super) fn line_from(&self, time: f64) -> (Vector, Vector, f64) {
         let here = self.at(time)[0];
         if time >= self.end() {

@@ -5,7 +5,8 @@ const ROUNDS: usize = 60;
 /// Where two places are the same, relative to the larger of them and 1.
 const SAME: f64 = 4e-16;
 
-/// The place from `low` to `high` at which a function falls through 0, or the end at which it is nearest to that (C. Ridders, 1979).
+/// The place from `low` to `high` at which a function falls through 0, or the end at which it is nearest to that (C.
+/// Ridders, 1979).
 pub(super) fn falls_through_zero(of: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let (mut of_low, mut of_high) = (of(low), of(high));
     if of_low <= 0.0 {

@@ -96,8 +96,8 @@ impl<'a> Run<'a> {
     /// Re-evaluates all contacts after an external change of the state.
     pub fn settle_anew(&mut self) {
         self.first_is_known = false;
-        // When a velocity jumps, the damping's part of N jumps, and so does the longest bristle, mu N/k_t. The length of
-        // a bristle does not jump. A bristle that is now shorter than the longest sticks; a longer one is cut.
+        // When a velocity jumps, the damping's part of N jumps, and so does the longest bristle, mu N/k_t. The length
+        // of a bristle does not jump. A bristle that is now shorter than the longest sticks; a longer one is cut.
         for condition in &mut self.conditions {
             if condition.mode == Mode::Slip {
                 condition.mode = Mode::Stick;

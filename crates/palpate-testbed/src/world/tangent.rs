@@ -345,8 +345,8 @@ impl Lying<'_> {
         bend.shared(share, deepest.0, deepest.1)
     }
 
-    /// The angles at which planes of a family have less overlap than those beside them. Along an arc they count even if the overlap
-    /// does not fall from both ends inwards: the energy would jump where it ceases to.
+    /// The angles at which planes of a family have less overlap than those beside them. Along an arc they count even if
+    /// the overlap does not fall from both ends inwards: the energy would jump where it ceases to.
     pub fn least_of(&self, family: Family, turn: &Turn) -> Vec<f64> {
         let slope = |angle: f64| self.bend(family, turn, angle).slope;
         let count = if turn.is_round {

@@ -10,7 +10,8 @@ use super::vector::Vec3;
 /// Points nearer to a plane than this share of the size of all lie in it.
 const FLAT: f64 = 1e-9;
 
-/// Corners and faces of a convex solid; a face has the numbers of its corners, counter-clockwise when seen from outside.
+/// Corners and faces of a convex solid; a face has the numbers of its corners, counter-clockwise when seen from
+/// outside.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Wrapped {
     pub corners: Vec<Vec3>,

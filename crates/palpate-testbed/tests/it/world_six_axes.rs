@@ -264,7 +264,8 @@ fn what_is_wrong_with_a_device_of_six_axes_is_named() {
     );
 }
 
-/// The pen of a device that gives no torque: what it touches does not turn it, and the hand's work has what it takes up.
+/// The pen of a device that gives no torque: what it touches does not turn it, and the hand's work has what it takes
+/// up.
 #[test]
 fn a_hand_alone_turns_a_tool_whose_device_gives_no_torque() {
     let mut scene = on_a_table();

@@ -59,8 +59,8 @@ pub struct Limited {
     /// Forces and torques could deliver more energy than available, by the bound of
     /// [`WorldLoop::guard`](crate::WorldLoop::guard).
     pub guard: bool,
-    /// A device accelerated beyond the guard's [`WorldHandBound`](crate::WorldHandBound) in the interval that this sample
-    /// ends. The bound by speed applies to it.
+    /// A device accelerated beyond the guard's [`WorldHandBound`](crate::WorldHandBound) in the interval that this
+    /// sample ends. The bound by speed applies to it.
     pub beyond_guard: bool,
 }
 
@@ -99,8 +99,8 @@ pub struct WorldFault {
 pub struct Output<'a> {
     /// Force on each tool, which its device exerts on the hand until the next sample `[N]`.
     pub forces: &'a [Vector],
-    /// Slope of each force `[N/s]`: with a line hold the force is `force + slope (t - T/2)` for t from 0 to the period T,
-    /// then its last value; otherwise 0.
+    /// Slope of each force `[N/s]`: with a line hold the force is `force + slope (t - T/2)` for t from 0 to the period
+    /// T, then its last value; otherwise 0.
     pub slopes: &'a [Vector],
     /// Torque on each tool about its mass centre, along the world's axes, held until the next sample `[N m]`; zero
     /// for a tool that does not turn.

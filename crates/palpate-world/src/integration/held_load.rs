@@ -175,8 +175,8 @@ impl Passage<'_> {
         half_stiffness * (lost - torn.max(0.0))
     }
 
-    /// Adds a force and a torque along the step, so that the work becomes `given` `[J]`. The force is at most the sum of
-    /// the spring's forces at both ends, which only a jump of the surface under a short step exceeds.
+    /// Adds a force and a torque along the step, so that the work becomes `given` `[J]`. The force is at most the sum
+    /// of the spring's forces at both ends, which only a jump of the surface under a short step exceeds.
     fn correct(&self, load: &mut Load, given: f64, square_arm: f64) {
         let Step { way, turn } = &self.step;
         let square = way.norm_squared() + square_arm * turn.norm_squared();

@@ -573,7 +573,8 @@ impl Moving {
 }
 
 impl HeldTools {
-    /// Returns the poses at which a pair of solids is evaluated: with the tool as held if they touch, else as predicted.
+    /// Returns the poses at which a pair of solids is evaluated: with the tool as held if they touch, else as
+    /// predicted.
     fn pair_poses(&self, number: usize, sides: [usize; 2], parts: &[Part]) -> [Rigid; 2] {
         let pair = &self.pairs[number];
         match pair.from.filter(|_| !pair.ended) {

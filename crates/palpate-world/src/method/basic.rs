@@ -26,6 +26,14 @@ pub struct BasicParams {
 }
 
 impl BasicParams {
+    pub(super) fn name(&self) -> &'static str {
+        if self.damping.is_empty() && self.rotational_damping.is_empty() {
+            "basic"
+        } else {
+            "virtual-damper"
+        }
+    }
+
     pub(super) fn check(self, tools: usize) -> Result<Basic, WorldErrors> {
         let mut faults = Vec::new();
         let lists = [

@@ -51,10 +51,10 @@ impl HfcrParams {
     }
 
     pub(super) fn name(&self) -> &'static str {
-        if self.smooth_transition {
-            "hfcr"
-        } else {
-            "hfcr-mod"
+        match (self.smooth_transition, self.damping.is_empty()) {
+            (false, _) => "hfcr-mod",
+            (true, true) => "hfcr-mod-st",
+            (true, false) => "hfcr",
         }
     }
 

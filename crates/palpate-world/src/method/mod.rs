@@ -67,7 +67,7 @@ impl WorldMethod {
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Basic(_) => "basic",
+            Self::Basic(params) => params.name(),
             Self::VirtualCoupling(_) => "virtual-coupling",
             Self::GodObject(_) => "god-object",
             Self::Seh(_) => "seh",

@@ -132,9 +132,10 @@ impl WorldState {
         through.map(|(contact, _)| contact.between)
     }
 
-    /// Returns the energy generated at the ports of the devices `[J]`: [`EnergyLedger::created`], weighted for each contact
-    /// by the fraction of its force that reached the device after limiting. A hand that presses against a limited
-    /// force therefore generates no energy, and neither does a body pushed by a larger force than the hand feels.
+    /// Returns the energy generated at the ports of the devices `[J]`: [`EnergyLedger::created`], weighted for each
+    /// contact by the fraction of its force that reached the device after limiting. A hand that presses against a
+    /// limited force therefore generates no energy, and neither does a body pushed by a larger force than the hand
+    /// feels.
     #[must_use]
     pub fn created_at_ports(&self) -> f64 {
         self.progress.at_ports.created()

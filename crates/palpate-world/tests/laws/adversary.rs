@@ -94,8 +94,8 @@ fn elapsed() -> impl Strategy<Value = Option<f64>> {
     ]
 }
 
-/// Renders `samples` by every method: no force above its limit or along an axis that a tool `lacks`, no motion that is not a
-/// number.
+/// Renders `samples` by every method: no force above its limit or along an axis that a tool `lacks`, no motion that is
+/// not a number.
 fn is_bounded(
     samples: &[([Vector; 2], Option<f64>)],
     believes_all: bool,

@@ -246,11 +246,21 @@ fn what_a_line_excludes_in_a_world_is_refused_by_name() {
         first.to_string()
     };
     let line = || with_line(0.001, 0);
-    for method in [
-        WorldMethod::from(BasicParams::default()),
-        HfcrParams::default().into(),
+    let damped = BasicParams {
+        damping: vec![1.0],
+        ..BasicParams::default()
+    };
+    let with_dissipation = HfcrParams {
+        damping: vec![1.0],
+        ..HfcrParams::default()
+    };
+    for (name, method) in [
+        ("basic", WorldMethod::from(BasicParams::default())),
+        ("virtual-damper", damped.into()),
+        ("hfcr-mod", HfcrParams::modified_force_only().into()),
+        ("hfcr-mod-st", HfcrParams::default().into()),
+        ("hfcr", with_dissipation.into()),
     ] {
-        let name = method.name();
         let message = refused(&world, line(), method);
         assert!(
             message.contains(&format!("but {name} plans constants")),

@@ -1,7 +1,7 @@
 //! What Rapier's own contacts make of a scene, and what palpate's make of it in the same engine.
 //!
-//! `cargo run --release --bin table` takes 4 steps of the engine in a period, which the engine divides into 4 parts each.
-//! `-- 1x4 4x1 10x4` takes each of these.
+//! `cargo run --release --bin table` takes 4 steps of the engine in a period, which the engine divides into 4 parts
+//! each. `-- 1x4 4x1 10x4` takes each of these.
 
 use palpate_example_rapier::rendered::{Bench, Outcome, Own};
 use palpate_example_rapier::scenes::{RATES, scenes};

@@ -42,12 +42,12 @@ pub struct AdviseArguments {
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub lag: Option<f64>,
-    /// Standard deviation of the delay, including its changes from command to command [s] [default: that of
-    /// --device-file, or 0]
+    /// Standard deviation of the delay, including its changes from command to command, at most 8 periods [s] [default:
+    /// that of --device-file, or 0]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub delay_deviation: Option<f64>,
-    /// Standard deviation of the lag [s] [default: that of --device-file, or 0]
+    /// Standard deviation of the lag, at most 8 periods [s] [default: that of --device-file, or 0]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub lag_deviation: Option<f64>,

@@ -80,11 +80,11 @@ pub struct SceneArguments {
     #[arg(long, value_name = "PERIODS", value_parser = number, default_value = "0",
           allow_hyphen_values = true)]
     pub lag_periods: f64,
-    /// Model value of the standard deviation of the delay, in periods
+    /// Model value of the standard deviation of the delay, at most 8 [periods]
     #[arg(long, value_name = "PERIODS", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true)]
     pub delay_deviation_periods: f64,
-    /// Model value of the standard deviation of the lag, in periods
+    /// Model value of the standard deviation of the lag, at most 8 [periods]
     #[arg(long, value_name = "PERIODS", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true)]
     pub lag_deviation_periods: f64,

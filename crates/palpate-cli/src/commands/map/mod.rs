@@ -9,6 +9,7 @@ pub use arguments::MapArguments;
 
 use std::path::PathBuf;
 
+use palpate_core::LARGEST_DELAY;
 use palpate_record::map::Map;
 use palpate_scene::method::MethodName;
 use palpate_study::map::report::{MapReport, Speed};
@@ -79,12 +80,21 @@ fn lag(periods: f64) -> Result<f64, Failure> {
 
 fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
     let defaults = MapParams::default();
-    let not_below = |flag: &str, value: f64, least: f64, unit: &str| {
-        if value.is_finite() && value >= least {
+    let not_negative = |flag: &str, value: f64, unit: &str| {
+        if value.is_finite() && value >= 0.0 {
             Ok(value)
         } else {
             Err(Failure::Arguments(format!(
-                "{flag} is {value}{unit}, but must be finite and not below {least}"
+                "{flag} is {value}{unit}, but must be finite and not below 0"
+            )))
+        }
+    };
+    let deviation = |flag: &str, periods: f64| {
+        if (0.0..=LARGEST_DELAY as f64).contains(&periods) {
+            Ok(periods)
+        } else {
+            Err(Failure::Arguments(format!(
+                "{flag} is {periods} periods, but must be 0 to {LARGEST_DELAY}"
             )))
         }
     };
@@ -99,9 +109,9 @@ fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
     };
     let mut device = defaults.device;
     if let Some(friction) = scene.viscous_friction {
-        device.viscous_friction = not_below("--viscous-friction", friction, 0.0, " N s/m")?;
+        device.viscous_friction = not_negative("--viscous-friction", friction, " N s/m")?;
     }
-    device.encoder_quantum = not_below("--encoder-quantum", scene.encoder_quantum, 0.0, " m")?;
+    device.encoder_quantum = not_negative("--encoder-quantum", scene.encoder_quantum, " m")?;
     device.model_mass = factor("--model-mass", scene.model_mass)?;
     let named = scene.method.as_ref().map(|methods| &methods.0);
     let params = MapParams {
@@ -114,18 +124,8 @@ fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
         device,
         delay: scene.delay_periods,
         lag: lag(scene.lag_periods)?,
-        delay_deviation: not_below(
-            "--delay-deviation-periods",
-            scene.delay_deviation_periods,
-            0.0,
-            "",
-        )?,
-        lag_deviation: not_below(
-            "--lag-deviation-periods",
-            scene.lag_deviation_periods,
-            0.0,
-            "",
-        )?,
+        delay_deviation: deviation("--delay-deviation-periods", scene.delay_deviation_periods)?,
+        lag_deviation: deviation("--lag-deviation-periods", scene.lag_deviation_periods)?,
         model_period: factor("--model-period", scene.model_period)?,
         forces: match scene.forces {
             ForcesName::Balanced => defaults.forces,

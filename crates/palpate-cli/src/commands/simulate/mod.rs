@@ -6,8 +6,9 @@ use std::path::Path;
 use std::string::FromUtf8Error;
 
 use palpate_record::files::bounded::SCENE;
-use palpate_record::unit::Spacing;
+use palpate_record::unit::{LengthUnit, Spacing};
 use palpate_scene::method::MethodName;
+use palpate_scene::world::WorldScene;
 use palpate_scene::{
     ContactFile, Intention, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError,
     Source, period_question,
@@ -133,6 +134,7 @@ pub(super) fn read_any(path: &Path, edits: &EditFlags) -> Result<SceneFile, Fail
             edits.retitle(&mut file.scene.title);
         }
         SceneFile::World(file) => {
+            tell_doubts_of_world(&name, &file.scene);
             edits.retitle(&mut file.scene.title);
             for note in file.notes() {
                 tell(note);
@@ -173,23 +175,67 @@ fn tell_doubts(name: &str, scene: &Scene) {
     if let Some(question) = period_question("loop.period_s", "period_s = 0.001", period) {
         tell(format_args!("warning: {name}: {question}"));
     }
-    let Some(Intention::Recorded(path)) = scene.device.grip().map(|grip| &grip.intention) else {
-        return;
-    };
-    if path.times().len() >= MIN_RECORDED
-        && let Some(spacing) = Spacing::implausible(path.times())
+    if let Some(Intention::Recorded(path)) = scene.device.grip().map(|grip| &grip.intention) {
+        let at = format!("{name}: device.hand.rest_file");
+        let column = |unit: LengthUnit| format!("column {}", unit.position_column());
+        tell_doubts_of_rest(&at, path.times(), &[path.positions()], column);
+    }
+}
+
+/// Warns of motions that are unusual for the hands of a world.
+fn tell_doubts_of_world(name: &str, scene: &WorldScene) {
+    for (tool, device) in scene.world.tools.iter().zip(&scene.devices) {
+        let Some(path) = &device.hand.path else {
+            continue;
+        };
+        let at = format!("{name}: device.hand.rest_file of {}", tool.name);
+        let along = |axis: usize| {
+            path.positions()
+                .iter()
+                .map(|point| point[0][axis])
+                .collect()
+        };
+        let along: [Vec<f64>; 3] = [0, 1, 2].map(along);
+        let has_one_axis = tool.axes.iter().filter(|has| **has).count() == 1;
+        let columns = |unit: LengthUnit| {
+            if has_one_axis {
+                format!("column {}", unit.position_column())
+            } else {
+                format!("columns x_{unit}, y_{unit} and z_{unit}")
+            }
+        };
+        tell_doubts_of_rest(
+            &at,
+            path.times(),
+            &along.each_ref().map(Vec::as_slice),
+            columns,
+        );
+    }
+}
+
+/// Warns of a hand's rest along some axes, each with its `positions` `[m]` at `times` `[s]`, whose unit is probably
+/// wrong. `columns` says how to name the columns of a unit.
+fn tell_doubts_of_rest(
+    at: &str,
+    times: &[f64],
+    positions: &[&[f64]],
+    columns: impl Fn(LengthUnit) -> String,
+) {
+    if times.len() >= MIN_RECORDED
+        && let Some(spacing) = Spacing::implausible(times)
     {
         let column = spacing.likely_unit().map_or_else(String::new, |unit| {
             format!(" If so, name its column t_{unit}")
         });
-        tell(format_args!(
-            "warning: {name}: device.hand.rest_file: {spacing}{column}"
-        ));
+        tell(format_args!("warning: {at}: {spacing}{column}"));
     }
-    if let Some(excess) = inside::excess(path.times(), path.positions()) {
-        let column = excess.likely_unit().position_column();
+    if let Some(excess) = positions
+        .iter()
+        .find_map(|along| inside::excess(times, along))
+    {
+        let columns = columns(excess.likely_unit());
         tell(format_args!(
-            "warning: {name}: device.hand.rest_file: {excess} If so, name its column {column}"
+            "warning: {at}: {excess} If so, name its {columns}"
         ));
     }
 }

@@ -13,8 +13,8 @@
 //! mu J1 = p(h) - p(0) - (p'(0) + p'(h)) h/2
 //! ```
 //!
-//! The slope amplifies an error of the predicted motion by 12/h^3. Its share therefore follows the certainty of J1, with
-//! the variance of J1 from the observer's covariance: `1/(1 + (variance/J1^2)^2)`. An uncertain prediction holds a
+//! The slope amplifies an error of the predicted motion by 12/h^3. Its share therefore follows the certainty of J1,
+//! with the variance of J1 from the observer's covariance: `1/(1 + (variance/J1^2)^2)`. An uncertain prediction holds a
 //! constant. The share `1/(1 + variance/J1^2)`, of the least expected error, also takes a part of a slope that is known
 //! well (E of 0.2 % in place of 0.0 % on the paper's experiment 2).
 

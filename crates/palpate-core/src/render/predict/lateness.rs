@@ -36,9 +36,9 @@ const DOUBTS: f64 = 3.0;
 const MOST: f64 = 4.0;
 
 impl<S: Scalar> Lateness<S> {
-    /// Processes a sample, with the device's motion at the beginning of the interval of `h` `[s]` that it ends. `model`:
-    /// model standard deviation of the delay, above 0 `[s]`. Returns the change of the device's state at the sample
-    /// that follows from the new estimate.
+    /// Processes a sample, with the device's motion at the beginning of the interval of `h` `[s]` that it ends.
+    /// `model`: model standard deviation of the delay, above 0 `[s]`. Returns the change of the device's state at the
+    /// sample that follows from the new estimate.
     pub fn learn(
         &mut self,
         update: &Update<S>,

@@ -20,8 +20,8 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Draws a figure of `size` in millimetres; `says` is its text alternative. A figure whose legend and notes need more
-    /// height gets it.
+    /// Draws a figure of `size` in millimetres; `says` is its text alternative. A figure whose legend and notes need
+    /// more height gets it.
     fn draw(&mut self, figure: &Figure, size: &str, says: &str) -> Result<String, SizeError> {
         let size: Size = size.parse()?;
         let drawn = match svg(figure, size) {

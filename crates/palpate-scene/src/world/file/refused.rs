@@ -6,6 +6,7 @@ use toml::Spanned;
 use super::Reading;
 use crate::device_key::{RawDevice, span};
 use crate::fault::Span;
+use crate::guard::GuardMode;
 use crate::one_contact::NotOneContact;
 use crate::raw::RawScene;
 
@@ -64,6 +65,7 @@ impl Reading {
 
 impl Reading {
     /// Rejects what a line hold excludes: a line lasts one nominal period, without a lag, and no motor limits it.
+    /// Guards bound constants, and torques are constants, of motors too.
     pub fn refuse_beside_lines(&mut self, raw: &RawScene) {
         let timing = &raw.r#loop;
         if timing.hold.as_ref().map(Spanned::get_ref) != Some(&Hold::Line) {
@@ -83,9 +85,17 @@ impl Reading {
             ("loop.dropped_samples", dropped.map(Spanned::span)),
             ("loop.collapse", span(&timing.collapse)),
         ];
+        let guard = raw.render.guard.as_ref().map(|guard| &guard.mode);
+        let guard = guard.filter(|mode| *mode.get_ref() != GuardMode::Off);
+        keys.push(("render.guard.mode", guard.map(Spanned::span)));
         for device in &raw.device {
-            let [_, _, limit, ..] = device.get_ref().drivetrain.spans();
-            keys.push(limit);
+            let device = device.get_ref();
+            let [_, _, limit, ..] = device.drivetrain.spans();
+            keys.extend([
+                limit,
+                ("device.inertia_kg_m2", span(&device.inertia_kg_m2)),
+                ("device.mass_table", span(&device.mass_table)),
+            ]);
         }
         for (key, span) in keys {
             if let Some(span) = span {

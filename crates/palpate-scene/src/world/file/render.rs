@@ -168,8 +168,8 @@ impl Reading {
         settings
     }
 
-    /// Returns the mass of each device in the model, along each axis `[kg]`: the device's own or `model_mass`, times the
-    /// factor.
+    /// Returns the mass of each device in the model, along each axis `[kg]`: the device's own or `model_mass`, times
+    /// the factor.
     fn device_masses(
         &mut self,
         model_mass: Option<&Spanned<PerAxis>>,

@@ -118,6 +118,15 @@ delay_samples = 0 -> hold = "ramp"
 [measure] -> [model]\ndelay_deviation_s = -1e-5\n\n[measure]
   40:21: model.delay_deviation_s is -0.00001 s, but must be finite and not below 0
   -1e-5
+[measure] -> [model]\ndelay_deviation_s = 0.5\n\n[measure]
+  40:21: model.delay_deviation_s is 0.5 s, but must be 0 to 8 periods
+  0.5
+[measure] -> [model]\nlag_deviation_s = 0.5\n\n[measure]
+  40:19: model.lag_deviation_s is 0.5 s, but must be 0 to 8 periods
+  0.5
+[measure] -> [model]\ngain_deviation = 1.5\n\n[measure]
+  40:18: model.gain_deviation is 1.5, but must be from 0 to the gain
+  1.5
 [measure] -> [model]\nlag_s = nan\n\n[measure]
   40:9: model.lag_s is NaN s, but must be finite and not below 0
   nan
@@ -139,7 +148,7 @@ delay_samples = 0 -> hold = "ramp"
 [measure] -> [model]\nresonance_hz = 150\n\n[measure]
   40:16: a transmission model needs resonance_hz, resonance_damping_ratio and flexible_mass_fraction
   150"#,
-        17,
+        20,
     );
 }
 

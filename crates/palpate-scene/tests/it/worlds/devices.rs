@@ -248,4 +248,8 @@ fn the_mass_of_a_device_may_change_with_its_place() {
         let refused = WorldFile::parse("ball.toml", &with(of)).unwrap_err();
         assert!(refused.to_string().contains(says), "{of}: {refused}");
     }
+    let line = with(table).replacen("[loop]", "[loop]\nhold = \"line\"", 1);
+    let refused = WorldFile::parse("ball.toml", &line).unwrap_err();
+    let says = "device.mass_table excludes lines in a world";
+    assert!(refused.to_string().contains(says), "{refused}");
 }

@@ -5,7 +5,7 @@ mod devices;
 mod guard;
 
 use palpate_core::Hold;
-use palpate_scene::world::{WorldActuator, WorldFile};
+use palpate_scene::world::WorldFile;
 use palpate_scene::{ContactFile, SceneFile};
 use palpate_world::{Motion, Party, Shape};
 
@@ -69,7 +69,7 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     );
     let scene = WorldFile::parse("ball.toml", BALL).unwrap().scene;
     assert_eq!(scene.timing.period, 0.001);
-    assert_eq!(scene.timing.actuator().delay, 0.0005);
+    assert_eq!(scene.timing.device_delay(), 0.0005);
     assert_eq!(scene.timing.actuator.gain, 1.0);
     let [device] = &scene.devices[..] else {
         panic!("one device")
@@ -80,9 +80,12 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     assert_eq!(device.hand.rest, device.position);
     assert_eq!(scene.render.device_mass, [[0.375; 3]]);
     // Without `[model]`, the model values equal the true ones.
-    let (model, actuator) = (scene.render.actuation, scene.timing.actuator());
-    let WorldActuator { delay, lag, gain } = actuator;
-    assert_eq!((model.delay, model.lag, model.gain), (delay, lag, gain));
+    let (model, timing) = (scene.render.actuation, &scene.timing);
+    assert_eq!(model.delay, timing.device_delay());
+    assert_eq!(
+        (model.lag, model.gain),
+        (timing.actuator.lag, timing.actuator.gain)
+    );
     let [ball, floor] = &scene.world.bodies[..] else {
         panic!("two bodies")
     };
@@ -410,6 +413,8 @@ fn keys_of_one_contact_are_refused_in_a_world() {
             "collapse = { from_s = 0, until_s = 0.1, period_s = 0.002 }",
         ),
         ("quantum_m = 2e-6", "drivetrain.motor_limit_n = 4"),
+        ("quantum_m = 2e-6", "inertia_kg_m2 = [1e-4, 1e-4, 1e-4]"),
+        ("[render]", "guard.mode = \"report\""),
     ] {
         let (key, _) = keys.split_once(" = ").unwrap();
         let said = said(&line.replacen(place, &format!("{place}\n{keys}"), 1));
@@ -429,8 +434,10 @@ fn keys_of_one_contact_are_refused_in_a_world() {
     );
     let scene = WorldFile::parse("ball.toml", &works).unwrap().scene;
     assert_eq!(scene.devices[0].drivetrain.viscous_friction, 0.5);
-    assert_eq!(scene.timing.actuator().delay, 0.00125);
+    assert_eq!(scene.timing.delay.time(scene.timing.period), 0.00125);
     assert_eq!(scene.render.actuation.delay, 0.001);
+    // Nor has a device in a loop in time.
+    assert_eq!(scene.timing.device_delay(), 0.001);
 }
 
 /// A world reads the loop, the hand and the drivetrain of one contact, and names their faults.

@@ -8,8 +8,7 @@ use palpate_device::clock::Clock;
 use palpate_device::{
     Capabilities, Cut, Device, DeviceError, Line, Pose, Vector, Wrench, ZeroWriter,
 };
-use palpate_scene::ActuatorParams;
-use palpate_scene::world::{WorldActuator, WorldDevice};
+use palpate_scene::world::{WorldDevice, WorldScene};
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::Actuator;
 use palpate_testbed::device::DevicePlant as Moved;
@@ -37,6 +36,8 @@ pub struct SpatialDevice<C> {
     axes: [Axis; 3],
     /// Rotation of a six-axis device.
     turning: Option<HeldTurning>,
+    /// Time until the hand releases the rotation; `None`: never, or it has.
+    releases_after: Option<Duration>,
     moved_until: Option<Duration>,
     /// Line that the motors hold on the device.
     held: Line,
@@ -87,33 +88,30 @@ impl Axis {
 }
 
 impl<C: Clock> SpatialDevice<C> {
-    /// Creates a device and its hand, with motors that follow the model `actuator`.
+    /// Creates the device of a scene at the index `number`, and its hand. Its motors have the lag, the gain and the
+    /// delay of the scene, without a fraction of a period and the jitter of commands; its noise follows the seed of the
+    /// scene.
     ///
     /// # Errors
-    /// A quantity of the device, the hand or the motors is out of range.
-    pub fn new(
-        device: &WorldDevice,
-        actuator: &WorldActuator,
-        clock: C,
-    ) -> Result<Self, InvalidParameter> {
-        let motors = ActuatorParams {
-            gain: actuator.gain,
-            lag: actuator.lag,
-        };
+    /// There is no such device, or a quantity of the device, the hand or the motors is out of range.
+    pub fn new(scene: &WorldScene, number: usize, clock: C) -> Result<Self, InvalidParameter> {
+        let device = device_of(scene, number)?;
+        let motors = scene.timing.actuator;
         let turning = device.turning.as_ref().map(reference_turning);
         let turning = turning
             .map(|turning| HeldTurning::checked(&turning, motors))
             .transpose()?;
         let held = reference_point("", device);
+        let seeds = noise_seeds(scene, number);
         let axis = |number: usize| -> Result<Axis, InvalidParameter> {
-            if device.mass[number] == f64::INFINITY {
+            if !device.moves_along(number) {
                 return Ok(Axis::Stays(device.own(device.position)[number]));
             }
             let mass = held.held_along(number)?;
             let limited = mass.with_largest_force(device.drivetrain.largest_force)?;
             Ok(Axis::Moves {
                 mass: Box::new(limited),
-                noise: SensorNoise::normal(device.drivetrain.noise, number as u64)?,
+                noise: SensorNoise::normal(device.drivetrain.noise, seeds[number])?,
                 motor: Actuator::new(motors)?,
                 sensor: sensor(device.quantum[number])?,
             })
@@ -123,18 +121,22 @@ impl<C: Clock> SpatialDevice<C> {
             capabilities: Capabilities {
                 // Torques are constants, and neither a lag nor a limited motor delivers a line.
                 holds_lines: turning.is_none()
-                    && actuator.lag == 0.0
+                    && motors.lag == 0.0
                     && device.drivetrain.largest_force == f64::INFINITY,
                 ..capabilities("simulated", device)
             },
             device: device.clone(),
             axes: [axis(0)?, axis(1)?, axis(2)?],
             turning,
+            releases_after: device
+                .hand
+                .release
+                .and_then(|release| Duration::try_from_secs_f64(release).ok()),
             moved_until: None,
             held: Line::NONE,
             begun: Duration::ZERO,
             written: Line::NONE,
-            late: Duration::try_from_secs_f64(actuator.delay).unwrap_or_default(),
+            late: Duration::try_from_secs_f64(scene.timing.device_delay()).unwrap_or_default(),
             later: VecDeque::with_capacity(MAX_LATER),
             cut: Cut::none(),
         })
@@ -195,11 +197,9 @@ impl<C: Clock> SpatialDevice<C> {
 
     /// Moves under a wrench, the mean over `duration`, and the `slope` of its force `[N/s]`.
     fn advance(&mut self, wrench: Wrench, slope: Vector, duration: Duration) {
+        self.turn_on(wrench.torque, duration);
         let duration = duration.as_secs_f64();
         if duration > 0.0 {
-            if let Some(turning) = &mut self.turning {
-                let _ = turning.advance(wrench.torque, duration);
-            }
             let [held, slope] = [wrench.force, slope].map(|vector| self.device.own(vector));
             for ((axis, force), slope) in self.axes.iter_mut().zip(held).zip(slope) {
                 if let Axis::Moves { mass, motor, .. } = axis {
@@ -218,15 +218,7 @@ impl<C: Clock> SpatialDevice<C> {
     fn command(&mut self, line: Line) -> Line {
         let now = self.move_on();
         self.cut.is_over();
-        // Motors that it has.
-        self.written = if self.capabilities.torque_axes == 0 {
-            Line {
-                wrench: Wrench::of_force(line.wrench.force),
-                ..line
-            }
-        } else {
-            line
-        };
+        self.written = self.given(line);
         if self.late > Duration::ZERO {
             if self.later.len() == MAX_LATER {
                 self.later.pop_front();
@@ -236,6 +228,52 @@ impl<C: Clock> SpatialDevice<C> {
             (self.held, self.begun) = (self.written, now);
         }
         self.held
+    }
+
+    /// Advances the rotation under the held torque. The hand releases the rotation at its time.
+    fn turn_on(&mut self, torque: Vector, duration: Duration) {
+        let Some(turning) = &mut self.turning else {
+            return;
+        };
+        let turn_for = |part: Duration, turning: &mut HeldTurning| {
+            if !part.is_zero() {
+                let _ = turning.advance(torque, part.as_secs_f64());
+            }
+        };
+        let Some(until) = self.releases_after else {
+            return turn_for(duration, turning);
+        };
+        turn_for(duration.min(until), turning);
+        self.releases_after = until.checked_sub(duration);
+        if duration >= until {
+            turning.release();
+            self.releases_after = None;
+            turn_for(duration - until, turning);
+        }
+    }
+
+    /// Returns the line that the motors hold in answer to a command: along each axis at most their largest force. A device
+    /// that holds lines has no such limit.
+    fn given(&self, line: Line) -> Line {
+        let largest = self.device.drivetrain.largest_force;
+        let own = self.device.own(line.wrench.force);
+        let given = own.map(|along| along.clamp(-largest, largest));
+        Line {
+            wrench: Wrench {
+                // Without a change it is the command to the last bit.
+                force: if given == own {
+                    line.wrench.force
+                } else {
+                    self.device.out(given)
+                },
+                torque: if self.capabilities.torque_axes == 0 {
+                    [0.0; 3]
+                } else {
+                    line.wrench.torque
+                },
+            },
+            ..line
+        }
     }
 }
 
@@ -364,41 +402,47 @@ pub struct SpatialPointer<C> {
 }
 
 impl<C: Clock> SpatialPointer<C> {
-    /// The device of a world in a pointer's hand: its masses, sensors and place at the start are the scene's, and so is
-    /// the delay, lag and gain of its motors. The hand is that of [`PointerParams::default`]; it turns the device with the stiffness
-    /// and damping of the scene's hand, or 0.3 N m/rad.
+    /// The device of a scene at the index `number` in a pointer's hand: its masses, sensors, noise, motors and place at
+    /// the start are the scene's, and so are delay, lag and gain, as [`SpatialDevice::new`] has them. Its friction is
+    /// that of the scene, but at least that of [`PointerParams::default`], whose hand it has; the hand turns the device
+    /// with the stiffness and damping of the scene's hand, or 0.3 N m/rad.
     ///
     /// # Errors
-    /// A quantity outside its range.
+    /// There is no such device, or a quantity is out of range.
     pub fn new(
-        device: &WorldDevice,
-        actuator: &WorldActuator,
+        scene: &WorldScene,
+        number: usize,
         hand: &SpatialHand,
         clock: C,
     ) -> Result<Self, InvalidParameter> {
+        let device = device_of(scene, number)?;
         hand.take(device);
+        let (usual, drivetrain) = (PointerParams::default(), &device.drivetrain);
+        let seeds = noise_seeds(scene, number);
         let axis = |number: usize| -> Result<_, InvalidParameter> {
             let position = device.own(device.position)[number];
-            if device.mass[number] == f64::INFINITY {
+            if !device.moves_along(number) {
                 return Ok(PointerAxis::Stays(position));
             }
             let params = PointerParams {
                 device_mass: device.mass[number],
+                viscous_friction: drivetrain.viscous_friction.max(usual.viscous_friction),
+                dry_friction: drivetrain.coulomb_friction.max(usual.dry_friction),
                 encoder_quantum: device.quantum[number],
+                noise: drivetrain.noise,
+                seed: seeds[number],
                 position,
-                delay_seconds: actuator.delay,
-                actuator: ActuatorParams {
-                    gain: actuator.gain,
-                    lag: actuator.lag,
-                },
-                ..PointerParams::default()
+                largest_force: Some(drivetrain.largest_force).filter(|force| force.is_finite()),
+                delay_seconds: scene.timing.device_delay(),
+                actuator: scene.timing.actuator,
+                ..usual
             };
             let pointer = PointerDevice::new(params, &hand.along[number], clock.clone())?;
             Ok(PointerAxis::Moves(Box::new(pointer)))
         };
         let turning = device.turning.as_ref();
         let turning = turning
-            .map(|turning| TurningPointer::new(turning, actuator, &hand.turned, clock.clone()))
+            .map(|turning| TurningPointer::new(turning, &scene.timing, &hand.turned, clock.clone()))
             .transpose()?;
         Ok(Self {
             capabilities: capabilities("pointer", device),
@@ -501,6 +545,31 @@ impl ZeroWriter for AllZero {
             axis.write_zero();
         }
     }
+}
+
+fn device_of(scene: &WorldScene, number: usize) -> Result<&WorldDevice, InvalidParameter> {
+    scene.devices.get(number).ok_or(InvalidParameter {
+        name: "device",
+        value: number as f64,
+        allowed: "the index of a device of the scene",
+    })
+}
+
+/// Returns the seed of each axis of a device: the axes that move count on from the scene's seed, over all devices, as
+/// in [`WorldPlant`](palpate_testbed::world::WorldPlant).
+fn noise_seeds(scene: &WorldScene, number: usize) -> [u64; 3] {
+    let axes = scene.devices.iter().flat_map(|device| {
+        let axes = 0..device.mass.len();
+        axes.map(|axis| u64::from(device.moves_along(axis)))
+    });
+    let mut counted = scene.timing.imperfections.seed;
+    let mut seeds = axes.map(|moves| {
+        let seed = counted;
+        counted = counted.wrapping_add(moves);
+        seed
+    });
+    let mut own = seeds.by_ref().skip(3 * number);
+    [0, 1, 2].map(|_| own.next().unwrap_or_default())
 }
 
 fn capabilities(name: &str, device: &WorldDevice) -> Capabilities {

@@ -37,8 +37,7 @@ fn turned_by_a_hand(
     let text = PLATE.replace("[1e-4, 2e-4, 3e-4]", inertia);
     let scene = WorldFile::parse("plate.toml", &text).unwrap().scene;
     let clock = SteppedClock::new();
-    let actuator = &scene.timing.actuator();
-    let device = SpatialPointer::new(&scene.devices[0], actuator, hand, clock.clone()).unwrap();
+    let device = SpatialPointer::new(&scene, 0, hand, clock.clone()).unwrap();
     (device, clock)
 }
 
@@ -120,11 +119,10 @@ fn a_hand_too_stiff_for_its_device_is_refused() {
     let hand = "inertia_kg_m2 = [1e-4, 1e-4, 1e-9]\nhand.rotational_stiffness_n_m_per_rad = 2.0";
     let text = PLATE.replace("inertia_kg_m2 = [1e-4, 2e-4, 3e-4]", hand);
     let scene = WorldFile::parse("plate.toml", &text).unwrap().scene;
-    let actuator = &scene.timing.actuator();
     let clock = SteppedClock::new();
-    let simulated = SpatialDevice::new(&scene.devices[0], actuator, clock.clone()).unwrap_err();
+    let simulated = SpatialDevice::new(&scene, 0, clock.clone()).unwrap_err();
     let hand = SpatialHand::at([0.0; 3]);
-    let pointer = SpatialPointer::new(&scene.devices[0], actuator, &hand, clock).unwrap_err();
+    let pointer = SpatialPointer::new(&scene, 0, &hand, clock).unwrap_err();
     for wrong in [simulated, pointer] {
         let model = wrong.to_string();
         assert!(model.contains("at most 32000 rad/s"), "{model}");
@@ -143,9 +141,7 @@ fn a_pointer_s_hand_turns_a_device_of_six_axes() {
     let scene = WorldFile::parse("plate.toml", PLATE).unwrap().scene;
     let clock = SteppedClock::new();
     let hand = SpatialHand::at([0.0; 3]);
-    let actuator = &scene.timing.actuator();
-    let mut device =
-        SpatialPointer::new(&scene.devices[0], actuator, &hand, clock.clone()).unwrap();
+    let mut device = SpatialPointer::new(&scene, 0, &hand, clock.clone()).unwrap();
     assert_eq!(device.capabilities().torque_axes, 3);
     let mut run = |torque: Vector, millis: u32| {
         let mut pose = device.read().unwrap();
@@ -211,7 +207,7 @@ fn a_force_moves_a_device_with_axes_of_its_own_as_its_mobility_says() {
     let scene = WorldFile::parse("oblique.toml", OBLIQUE).unwrap().scene;
     let own = scene.devices[0].clone();
     let clock = SteppedClock::new();
-    let mut device = SpatialDevice::new(&own, &scene.timing.actuator(), clock.clone()).unwrap();
+    let mut device = SpatialDevice::new(&scene, 0, clock.clone()).unwrap();
     device.read().unwrap();
     let force = [0.3, -0.2, 0.5];
     device.write(Wrench::of_force(force)).unwrap();
@@ -238,9 +234,7 @@ fn a_pointer_s_hand_leads_a_device_with_axes_of_its_own() {
     let scene = WorldFile::parse("oblique.toml", OBLIQUE).unwrap().scene;
     let clock = SteppedClock::new();
     let hand = SpatialHand::at(scene.devices[0].position);
-    let actuator = &scene.timing.actuator();
-    let mut device =
-        SpatialPointer::new(&scene.devices[0], actuator, &hand, clock.clone()).unwrap();
+    let mut device = SpatialPointer::new(&scene, 0, &hand, clock.clone()).unwrap();
     let near = |one: Vector, other: Vector| {
         one.iter()
             .zip(other)
@@ -258,4 +252,132 @@ fn a_pointer_s_hand_leads_a_device_with_axes_of_its_own() {
     assert!(near(device.read().unwrap().position, target));
     let sent = device.write(Wrench::of_force([0.3, -0.2, 0.5])).unwrap();
     assert!(near(sent.force, [0.3, -0.2, 0.5]));
+}
+
+/// Two devices whose sensors are noisy and whose motors are weak.
+const TWO: &str = r#"
+format = 2
+[loop]
+period_s = 0.001
+seed = 7
+[[device]]
+name = "left"
+axes = ["z"]
+mass_kg = 0.1
+position_m = [0.0, 0.0, 0.1]
+noise_m = 1e-4
+tool = { sphere = { radius_m = 0.0 } }
+[[device]]
+name = "right"
+mass_kg = 0.1
+position_m = [0.1, 0.2, 0.3]
+noise_m = 1e-4
+drivetrain.motor_limit_n = 2.0
+drivetrain.viscous_friction_n_s_per_m = 3.0
+tool = { sphere = { radius_m = 0.0 } }
+[[body]]
+name = "floor"
+fixed = true
+shape = { half_space = { normal = [0.0, 0.0, 1.0], offset_m = -1.0 } }
+[[contact]]
+between = "*"
+stiffness_n_per_m = 1000.0
+"#;
+
+/// A device in a loop measures with the noise that its plant has on the bench: the numbers of the scene's seed, each
+/// axis of each device with its own. A pointer's device has that noise, too.
+#[test]
+fn noise_follows_the_seed_and_the_number_of_the_device() {
+    let mut first_noises = Vec::new();
+    for seed in [7, 8] {
+        let text = TWO.replace("seed = 7", &format!("seed = {seed}"));
+        let scene = WorldFile::parse("two.toml", &text).unwrap().scene;
+        let params = palpate_testbed::world::PlantParams {
+            seed,
+            ..palpate_testbed::world::PlantParams::perfect(0.001)
+        };
+        let evaluated = crate::sim::world::as_evaluated(&scene);
+        let mut plant = palpate_testbed::world::WorldPlant::new(&evaluated, params).unwrap();
+        let expected = plant.measure();
+        for (number, expected) in expected.iter().enumerate() {
+            let clock = SteppedClock::new();
+            let mut device = SpatialDevice::new(&scene, number, clock.clone()).unwrap();
+            assert_eq!(device.read().unwrap().position, *expected);
+            let hand = SpatialHand::at(scene.devices[number].position);
+            let mut device = SpatialPointer::new(&scene, number, &hand, clock).unwrap();
+            let read = device.read().unwrap().position;
+            let off = |axis: usize| read[axis] - expected[axis];
+            assert!((0..3).all(|axis| off(axis).abs() < 1e-12), "{read:?}");
+            first_noises.push(expected[2] - scene.devices[number].position[2]);
+        }
+    }
+    assert!(first_noises.iter().all(|noise| *noise != 0.0));
+    let is_new = |index: usize| !first_noises[..index].contains(&first_noises[index]);
+    assert!((1..4).all(is_new), "{first_noises:?}");
+    let scene = WorldFile::parse("two.toml", TWO).unwrap().scene;
+    let wrong = SpatialDevice::new(&scene, 2, SteppedClock::new()).unwrap_err();
+    assert_eq!((wrong.name, wrong.value), ("device", 2.0));
+}
+
+/// A motor holds at most its largest force along each axis, and that is what a device reports.
+#[test]
+fn the_reported_force_is_the_one_that_a_motor_holds() {
+    let scene = WorldFile::parse("two.toml", TWO).unwrap().scene;
+    let clock = SteppedClock::new();
+    let hand = SpatialHand::at(scene.devices[1].position);
+    let devices: [Box<dyn Device>; 2] = [
+        Box::new(SpatialDevice::new(&scene, 1, clock.clone()).unwrap()),
+        Box::new(SpatialPointer::new(&scene, 1, &hand, clock).unwrap()),
+    ];
+    for mut device in devices {
+        let held = device.write(Wrench::of_force([5.0, -0.5, -3.0])).unwrap();
+        assert_eq!(held.force, [2.0, -0.5, -2.0]);
+        assert_eq!(device.last_sent().unwrap().wrench.force, held.force);
+    }
+}
+
+/// A free pointer's device glides in the friction of the scene, which is more than a pointer's own.
+#[test]
+fn a_pointer_s_device_has_the_friction_of_the_scene() {
+    let scene = WorldFile::parse("two.toml", TWO).unwrap().scene;
+    let clock = SteppedClock::new();
+    let hand = SpatialHand::at(scene.devices[1].position);
+    hand.disable_output();
+    let mut device = SpatialPointer::new(&scene, 1, &hand, clock.clone()).unwrap();
+    let mut moved = |force: f64, millis: u64| {
+        device.read().unwrap();
+        device.write(Wrench::of_force([force, 0.0, 0.0])).unwrap();
+        clock.advance(Duration::from_millis(millis));
+        device.read().unwrap();
+        let PointerAxis::Moves(axis) = &device.axes[0] else {
+            panic!("it moves")
+        };
+        axis.velocity()
+    };
+    // 2 N against 1.5 N of a pointer's dry friction, and 3 N s/m: (2 - 1.5)/3 m/s in the end.
+    let fastest = moved(2.0, 1000);
+    assert!((fastest - 0.5 / 3.0).abs() < 1e-9, "{fastest} m/s");
+}
+
+/// The hand releases the rotation and the position at the same time: the device then turns as on the bench.
+#[test]
+fn a_hand_releases_the_rotation_too() {
+    let hand = "mass_kg = 0.15\nhand.rotational_stiffness_n_m_per_rad = 0.3\nhand.release_s = 0.0505\n\
+                hand.torque_n_m = [0.0, 0.03, 0.0]";
+    let text = PLATE.replace("mass_kg = 0.15", hand);
+    let scene = WorldFile::parse("plate.toml", &text).unwrap().scene;
+    let evaluated = crate::sim::world::as_evaluated(&scene);
+    let params = palpate_testbed::world::PlantParams::perfect(0.001);
+    let mut plant = palpate_testbed::world::WorldPlant::new(&evaluated, params).unwrap();
+    let clock = SteppedClock::new();
+    let mut device = SpatialDevice::new(&scene, 0, clock.clone()).unwrap();
+    device.read().unwrap();
+    for _ in 0..200 {
+        plant.hold(&[[0.0; 3]]);
+        clock.advance(Duration::from_millis(1));
+        device.read().unwrap();
+    }
+    let (bench, own) = (plant.orientations()[0], device.orientation().unwrap());
+    assert!(apart(bench, own) < 1e-7, "{bench:?} {own:?}");
+    assert!(apart(own, [1.0, 0.0, 0.0, 0.0]) > 0.1, "{own:?}");
 }

@@ -23,10 +23,12 @@ use palpate_testbed::device::DevicePlant as Moved;
 use palpate_testbed::hand::Hand;
 use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::hold::DelayedHold;
-use palpate_testbed::measure::Sampler;
+use palpate_testbed::measure::{Sampler, SensorNoise};
 
 use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Cut, Device, DeviceError, Line, Pose, Wrench, ZeroWriter};
+
+use crate::sim::plant::noisy;
 
 /// Parameters of a pointer's device and its hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +42,10 @@ pub struct PointerParams {
     pub dry_friction: f64,
     /// Quantum of the position `[m]`; 0 for a sensor without one.
     pub encoder_quantum: f64,
+    /// Standard deviation of the sensor's white noise, before quantisation `[m]`.
+    pub noise: f64,
+    /// Seed of the noise.
+    pub seed: u64,
     /// Mass m_h of the hand, which moves with the device while it holds it `[kg]`.
     pub hand_mass: f64,
     /// Stiffness k_h of the hand `[N/m]`.
@@ -71,6 +77,8 @@ impl Default for PointerParams {
             viscous_friction: 1.0,
             dry_friction: 1.5,
             encoder_quantum: 0.0,
+            noise: 0.0,
+            seed: 0,
             hand_mass: 0.1,
             hand_stiffness: 400.0,
             hand_damping: 20.0,
@@ -85,15 +93,17 @@ impl Default for PointerParams {
 }
 
 impl PointerParams {
-    /// Returns the device of `scene` in a pointer's hand, with its mass, sensor, motor, delay, lag, gain and initial
-    /// position. A fraction of a period and the jitter of commands are omitted. Its friction is that of the scene, but
-    /// at least that of [`default`](Self::default), so that a free device comes to rest.
+    /// Returns the device of `scene` in a pointer's hand, with its mass, sensor, noise, motor, delay, lag, gain and
+    /// initial position. A fraction of a period and the jitter of commands are omitted. Its friction is that of the
+    /// scene, but at least that of [`default`](Self::default), so that a free device comes to rest.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         let default = Self::default();
         Self {
             device_mass: scene.device.mass(),
             encoder_quantum: scene.device.encoder_quantum(),
+            noise: scene.device.noise(),
+            seed: scene.timing.seed,
             position: scene.device.position(),
             viscous_friction: scene
                 .device
@@ -244,6 +254,7 @@ pub struct PointerDevice<C> {
     capabilities: Capabilities,
     params: PointerParams,
     sampler: Sampler,
+    noise: SensorNoise,
     hand: PointerHand,
     /// The device by itself.
     alone: HeldMass,
@@ -296,6 +307,7 @@ impl<C: Clock> PointerDevice<C> {
             } else {
                 Sampler::Ideal
             },
+            noise: SensorNoise::normal(params.noise, params.seed)?,
             on_their_way: vec![0.0; params.delay],
             late: Duration::try_from_secs_f64(params.delay_seconds).unwrap_or_default(),
             later: VecDeque::with_capacity(MAX_LATER),
@@ -478,9 +490,10 @@ impl<C: Clock> Device for PointerDevice<C> {
 
     fn read(&mut self) -> Result<Pose, DeviceError> {
         let time = self.move_on();
+        let position = noisy(self.position(), self.noise.draw());
         Ok(Pose {
             orientation: None,
-            position: [self.sampler.sample(self.position()), 0.0, 0.0],
+            position: [self.sampler.sample(position), 0.0, 0.0],
             time,
         })
     }

@@ -10,8 +10,7 @@ use std::time::Duration;
 
 use palpate_device::clock::Clock;
 use palpate_device::{Cut, Vector, ZeroWriter};
-use palpate_scene::ActuatorParams;
-use palpate_scene::world::{DeviceTurning, WorldActuator};
+use palpate_scene::world::{DeviceTurning, WorldTiming};
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::world::{HeldTurning, TurningHand};
@@ -65,8 +64,8 @@ impl TurningWish {
         }
     }
 
-    /// `None`: as the device begins. Read while it is written, parts may be of two wishes, which follow each other within a
-    /// sixtieth of a second: a quaternion between the two, or of a device that is as it was.
+    /// `None`: as the device begins. Read while it is written, parts may be of two wishes, which follow each other
+    /// within a sixtieth of a second: a quaternion between the two, or of a device that is as it was.
     pub fn get(&self) -> Option<Quaternion> {
         let parts = [0, 1, 2, 3].map(|k: usize| f64::from_bits(self.0[k].load(Ordering::Acquire)));
         let length = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
@@ -102,7 +101,7 @@ impl<C: Clock> TurningPointer<C> {
     /// scene gets a default one.
     pub fn new(
         device: &DeviceTurning,
-        actuator: &WorldActuator,
+        timing: &WorldTiming,
         wish: &TurningWish,
         clock: C,
     ) -> Result<Self, InvalidParameter> {
@@ -118,21 +117,17 @@ impl<C: Clock> TurningPointer<C> {
         if hand.stiffness == 0.0 {
             (hand.stiffness, hand.damping) = own_hand(turning.inertia);
         }
-        let motors = ActuatorParams {
-            gain: actuator.gain,
-            lag: actuator.lag,
-        };
         Ok(Self {
             clock,
             start: turning.orientation,
             aim: turning.orientation,
             is_held: false,
             wish: wish.clone(),
-            turning: HeldTurning::checked(&turning, motors)?,
+            turning: HeldTurning::checked(&turning, timing.actuator)?,
             moved_until: None,
             held: [0.0; 3],
             written: [0.0; 3],
-            late: Duration::try_from_secs_f64(actuator.delay).unwrap_or_default(),
+            late: Duration::try_from_secs_f64(timing.device_delay()).unwrap_or_default(),
             later: VecDeque::with_capacity(MAX_LATER),
             cut: Cut::none(),
         })

@@ -121,7 +121,8 @@ pub struct Refusal {
     pub time: f64,
     /// The fault.
     pub fault: WorldFault,
-    /// Whether a contact or joint is too fast for the finest sub-steps: see [`Effort::unstable`](palpate_world::Effort::unstable).
+    /// Whether a contact or joint is too fast for the finest sub-steps: see
+    /// [`Effort::unstable`](palpate_world::Effort::unstable).
     pub too_fast: bool,
 }
 
@@ -262,7 +263,9 @@ impl WorldBench {
     pub fn led(scene: &WorldScene, path: LedPath) -> Result<Self, WorldBenchError> {
         let periods = (path.end() / scene.timing.period * (1.0 + 1e-9)).floor();
         // Commands that have not arrived when the motion ends are not evaluated.
-        let late = scene.timing.actuator().delay / scene.timing.period;
+        let timing = &scene.timing;
+        let latest = timing.delay.time(timing.period) + timing.imperfections.command_jitter;
+        let late = latest / timing.period;
         Self::solved(scene, periods - late.ceil(), Some(path))
     }
 
@@ -302,8 +305,8 @@ impl WorldBench {
         })
     }
 
-    /// Creates a bench from a converted scene, the timeline of its loop with perfect actuators, and the ideal on the grid
-    /// of that timeline.
+    /// Creates a bench from a converted scene, the timeline of its loop with perfect actuators, and the ideal on the
+    /// grid of that timeline.
     #[must_use]
     pub fn of(
         evaluated: palpate_testbed::world::WorldScene,

@@ -93,8 +93,8 @@ pub fn five_bar() -> String {
     )
 }
 
-/// An arm that turns about an upright axis 0.14 m behind the origin, with two links of 0.14 m of which each has its motor at the
-/// base: a handle of 45 g, and 1.3e-3, 1.6e-3 and 1.1e-3 kg m^2 about the three axes.
+/// An arm that turns about an upright axis 0.14 m behind the origin, with two links of 0.14 m of which each has its
+/// motor at the base: a handle of 45 g, and 1.3e-3, 1.6e-3 and 1.1e-3 kg m^2 about the three axes.
 fn of_arm(place: [f64; 3]) -> [[f64; 3]; 3] {
     const LINK: f64 = 0.14;
     let reach = |[x, y, _]: [f64; 3]| (x + 0.14).hypot(y);

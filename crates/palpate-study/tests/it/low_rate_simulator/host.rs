@@ -244,7 +244,8 @@ impl Host {
         vec![now]
     }
 
-    /// Force of a tool at `centre` on the body by a spring and damper, with its torque, for a tool that moves with `velocity`.
+    /// Force of a tool at `centre` on the body by a spring and damper, with its torque, for a tool that moves with
+    /// `velocity`.
     pub fn pushed_by(&self, centre: Vector, velocity: Vector, damping: f64) -> [Vector; 2] {
         let (distance, normal) = self.distance(centre);
         let depth = self.scene.tool() - distance;

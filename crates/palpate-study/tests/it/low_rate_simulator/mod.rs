@@ -95,7 +95,8 @@ fn forces_by_a_local_model_are_near_the_ideal_at_every_rate_of_the_host() {
                 _ => 2.0,
             };
             assert!(all.error < allowed, "{name}: {all:?}");
-            // Nothing is pumped: less energy than a contact of 1 N stores; of 2 N where the surface changes with each model.
+            // Nothing is pumped: less energy than a contact of 1 N stores; of 2 N where the surface changes with each
+            // model.
             let newtons = if bench.scene.mesh.is_some() {
                 2.0_f64
             } else {

@@ -157,7 +157,8 @@ fn bumps() -> (Vec<Vector>, Vec<[u32; 3]>) {
     bumpy_sphere(0.05, 0.001, 5.0, 33)
 }
 
-/// A ball that is juggled; the same on a floor that is pressed; a cube that is pushed over a table; a hill and bumps that are slid over.
+/// A ball that is juggled; the same on a floor that is pressed; a cube that is pushed over a table; a hill and bumps
+/// that are slid over.
 pub fn scenes() -> Vec<Scene> {
     let on_floor = HALF - GRAVITY * BODY_MASS / FLOOR;
     let ball = (Body::Ball(HALF), [0.002, -0.001, 0.075]);

@@ -10,7 +10,8 @@ use crate::low_rate_simulator::host::{FINE, Host};
 use crate::low_rate_simulator::scenes::{Bench, DEVICE_MASS, PERIOD, SAMPLES};
 use crate::low_rate_simulator::vector::{Vector, dot, less, sum, times};
 
-/// When the host works: it takes what is there every so many samples, and what comes out is there so many samples later.
+/// When the host works: it takes what is there every so many samples, and what comes out is there so many samples
+/// later.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     pub every: usize,
@@ -181,8 +182,8 @@ pub fn held(bench: &Bench, pace: Pace, damping: f64) -> Outcome {
     }
 }
 
-/// A virtual coupling: the tool is a body of 50 g in the host, and a spring and a damper pull it to the device; the loop pulls the
-/// device to where that body was last.
+/// A virtual coupling: the tool is a body of 50 g in the host, and a spring and a damper pull it to the device; the
+/// loop pulls the device to where that body was last.
 pub fn coupling(bench: &Bench, pace: Pace, stiffness: f64, damping: f64) -> Outcome {
     const MASS: f64 = 0.05;
     let mut host = Host::new(&bench.scene);

@@ -6,8 +6,8 @@ use palpate_study::sim::closed_loop::Bench;
 
 use crate::common::{PAPER_SCENES, scene};
 
-/// Source: Eq. (7). The force leaks nothing, and HFCR, which predicts the device, leaks. Its error is what remains for a
-/// method without leak.
+/// Source: Eq. (7). The force leaks nothing, and HFCR, which predicts the device, leaks. Its error is what remains for
+/// a method without leak.
 #[test]
 fn the_force_of_the_real_motion_leaks_nothing() {
     for (name, expected) in PAPER_SCENES.into_iter().zip([12.8, 23.4, 62.4]) {

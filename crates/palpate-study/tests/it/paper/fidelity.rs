@@ -24,7 +24,8 @@ fn assert_near(given: [f64; 3], expected: [f64; 3], tolerance: [f64; 3]) {
     }
 }
 
-/// Source: the paper's Fig. 2 scene and its experiments, with a point mass; derived here. No zero-order hold can do better at this loop rate.
+/// Source: the paper's Fig. 2 scene and its experiments, with a point mass; derived here. No zero-order hold can do
+/// better at this loop rate.
 #[test]
 fn hold_bounds() {
     let mut floors = [0.0; 3];

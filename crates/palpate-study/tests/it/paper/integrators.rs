@@ -9,8 +9,8 @@ use crate::common::{PAPER_SCENES, scene};
 
 /// Source: derived here; the sampled spring, with the object moved by each integrator.
 ///
-/// An integrator that takes energy acts as a damper of fixed size: implicit Euler cancels the leak of the hold on Fig. 2
-/// and not on the experiments.
+/// An integrator that takes energy acts as a damper of fixed size: implicit Euler cancels the leak of the hold on Fig.
+/// 2 and not on the experiments.
 #[test]
 fn no_integrator_makes_the_sampled_spring_accurate_on_every_scene() {
     let expected = [

@@ -5,8 +5,8 @@ use palpate_study::sim::world::as_evaluated;
 use palpate_testbed::world::{Overlap, PlantParams, WorldPlant};
 use palpate_world::{Sample, WorldRenderer};
 
-/// Ripple of the force and the torque in the last of so many seconds at 1 kHz, each as the standard deviation over the mean's length
-/// in percent, and the largest penetration `[m]`. None if a sample was refused.
+/// Ripple of the force and the torque in the last of so many seconds at 1 kHz, each as the standard deviation over the
+/// mean's length in percent, and the largest penetration `[m]`. None if a sample was refused.
 pub fn pressed(scene: &WorldScene, renderer: &WorldRenderer, seconds: usize) -> Option<[f64; 3]> {
     let evaluated = as_evaluated(scene);
     let overlap = Overlap::new(&evaluated).unwrap();

@@ -54,11 +54,12 @@ pub fn bumpy_sphere(radius: f64, height: f64, waves: f64, cells: u32) -> Triangl
 
 /// The solid that a profile sweeps around the z axis.
 ///
-/// `profile` has points (distance from the axis, z) `[m]`; the first and the last are on the axis, and the solid lies to the left
-/// of the way from one to the next. No piece is longer than `longest` `[m]`, and around the axis there are `segments` pieces.
+/// `profile` has points (distance from the axis, z) `[m]`; the first and the last are on the axis, and the solid lies
+/// to the left of the way from one to the next. No piece is longer than `longest` `[m]`, and around the axis there are
+/// `segments` pieces.
 ///
-/// `None` where the profile has fewer than three points, does not begin and end on the axis, or touches it between, there
-/// are fewer than 3 segments, or `longest` is not above 0.
+/// `None` where the profile has fewer than three points, does not begin and end on the axis, or touches it between,
+/// there are fewer than 3 segments, or `longest` is not above 0.
 #[must_use]
 pub fn revolved(profile: &[[f64; 2]], segments: u32, longest: f64) -> Option<Triangles> {
     let (first, middle, last) = match profile {

@@ -28,8 +28,8 @@ impl TriangleMesh {
         parted(pushes, &reached)
     }
 
-    /// The faces on which the shortest way out of a bent surface ends, to where the sphere overlaps nothing of it. `None` if there is no
-    /// way, or it is longer than `longest` `[m]`.
+    /// The faces on which the shortest way out of a bent surface ends, to where the sphere overlaps nothing of it.
+    /// `None` if there is no way, or it is longer than `longest` `[m]`.
     pub(super) fn out_of_all(
         &self,
         surface: &[Push],
@@ -70,7 +70,8 @@ impl TriangleMesh {
         }
     }
 
-    /// The face that a sphere overlaps most which was lifted out of some: of those below it, and of one bent surface with these.
+    /// The face that a sphere overlaps most which was lifted out of some: of those below it, and of one bent surface
+    /// with these.
     fn in_the_way(&self, of: &[Push], radius: f64, lifted: Vec3, slack: f64) -> Option<usize> {
         let short = |face| self.push_of(face, radius, lifted).depth;
         let is_below = |face: &usize| {

@@ -92,7 +92,8 @@ impl TriangleMesh {
         }
     }
 
-    /// Whether the parts that were nearest until now are all on the border of an open mesh, where no surface was crossed.
+    /// Whether the parts that were nearest until now are all on the border of an open mesh, where no surface was
+    /// crossed.
     fn is_beyond_border(&self, now: &[OnMesh; MAX_CONTACTS]) -> bool {
         let mut parts = now.iter().flat_map(|at| match at {
             OnMesh::Before(parts) => parts.iter().flatten().copied().collect(),
@@ -355,8 +356,8 @@ struct Edge<'a> {
 /// At most three parts that push together.
 pub(super) type Parts = [Option<Part>; 3];
 
-/// The first and those of the faces `with`, and whose normals differ by less than 30° from these, from one to the next; and the
-/// others. Both in the order that they had.
+/// The first and those of the faces `with`, and whose normals differ by less than 30° from these, from one to the next;
+/// and the others. Both in the order that they had.
 pub(super) fn parted(pushes: Vec<Push>, with: &BTreeSet<usize>) -> (Vec<Push>, Vec<Push>) {
     let is_with = |push: &Push| matches!(push.part, Part::Face(face) if with.contains(&face));
     let mut is_joined: Vec<bool> = pushes.iter().map(is_with).collect();
@@ -439,8 +440,8 @@ fn on(surfaces: &[Push]) -> Option<Vec3> {
     Some(way)
 }
 
-/// The shortest way that ends on the surfaces of `tight`, two at most, and out of all of `pushes`, one after the other: the first
-/// that such a way is short of, is one on which it has to end (Welzl 1991, for balls and ellipsoids).
+/// The shortest way that ends on the surfaces of `tight`, two at most, and out of all of `pushes`, one after the other:
+/// the first that such a way is short of, is one on which it has to end (Welzl 1991, for balls and ellipsoids).
 fn shortest(pushes: &[Push], tight: &[Push], slack: f64) -> Option<Way> {
     let mut found = Way {
         way: on(tight)?,

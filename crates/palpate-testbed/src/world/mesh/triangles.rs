@@ -111,8 +111,8 @@ impl TriangleMesh {
     ///
     /// # Errors
     ///
-    /// A corner that there is not, a face without an area, an edge of more than two faces or of two that run along it the
-    /// same way.
+    /// A corner that there is not, a face without an area, an edge of more than two faces or of two that run along it
+    /// the same way.
     pub fn new(vertices: &[Vector], faces: &[[u32; 3]]) -> Result<Self, InvalidMesh> {
         let faces: Vec<[usize; 3]> = faces.iter().map(|f| f.map(|c| c as usize)).collect();
         let vertices: Vec<Vec3> = vertices.iter().map(|&vertex| Vec3(vertex)).collect();

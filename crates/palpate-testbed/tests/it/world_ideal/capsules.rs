@@ -80,7 +80,8 @@ fn a_large_box_bears_a_capsule_as_a_half_space_does() {
 #[test]
 fn a_capsule_keeps_energy_momentum_and_angular_momentum() {
     let springs = ContactLaw::spring(4000.0);
-    // Where friction slides, the energy asks for rates, which are differences in time: they are wrong as a contact begins.
+    // Where friction slides, the energy asks for rates, which are differences in time: they are wrong as a contact
+    // begins.
     for (kind, law, most_drift) in [
         ("springs", springs, 1e-8),
         ("both", springs.rough(0.4, 2000.0).damped(1.0), 1e-6),

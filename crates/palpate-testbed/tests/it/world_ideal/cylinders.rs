@@ -182,8 +182,8 @@ fn table() -> WorldBody {
     table
 }
 
-/// A disc that falls onto its rim rolls about it, lies down and rests: its points stop to turn with the deepest place. On a large
-/// box off its middle as well, where the corners of the box are far from the disc and not equally far.
+/// A disc that falls onto its rim rolls about it, lies down and rests: its points stop to turn with the deepest place.
+/// On a large box off its middle as well, where the corners of the box are far from the disc and not equally far.
 #[test]
 fn a_disc_rolls_on_its_rim_until_it_lies_flat() {
     let half_length = 0.004;

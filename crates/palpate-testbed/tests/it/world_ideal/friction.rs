@@ -86,8 +86,8 @@ fn a_sliding_block_stops_where_friction_has_taken_its_energy() {
     }
 }
 
-/// A block that friction holds and F pulls from t = 0 on, with a damped bristle: x = F/k_t (1 − exp(−γt) (cos ωt + γ/ω sin ωt)) with
-/// γ = B_t/(2m), ω² = k_t/m − γ². In the end the damper has taken F²/(2 k_t).
+/// A block that friction holds and F pulls from t = 0 on, with a damped bristle: x = F/k_t (1 − exp(−γt) (cos ωt + γ/ω
+/// sin ωt)) with γ = B_t/(2m), ω² = k_t/m − γ². In the end the damper has taken F²/(2 k_t).
 #[test]
 fn a_block_that_friction_holds_swings_by_the_damping_of_its_bristle() {
     let (mass, pull, stiffness, damping) = (0.05, 0.05, 2000.0, 2.0);
@@ -126,7 +126,8 @@ fn a_block_that_friction_holds_swings_by_the_damping_of_its_bristle() {
     assert!((dissipated / expected - 1.0).abs() < 1e-3, "{dissipated}");
 }
 
-/// A point pressed with N and pulled at once with less than half of μ N, so that it does not overshoot, is held by the bristle, z = F/k_t; with more it slides.
+/// A point pressed with N and pulled at once with less than half of μ N, so that it does not overshoot, is held by the
+/// bristle, z = F/k_t; with more it slides.
 #[test]
 fn a_point_sticks_up_to_the_limit_and_slides_beyond_it() {
     for (pull, sticks) in [([0.08, 0.1, -1.0], true), ([0.4, 0.3, -1.0], false)] {

@@ -1,5 +1,5 @@
-//! Hands with an intention, a mass and a release, and devices with friction. The exact motion of the plant is that of the
-//! ideal, and the energy of the ideal is conserved.
+//! Hands with an intention, a mass and a release, and devices with friction. The exact motion of the plant is that of
+//! the ideal, and the energy of the ideal is conserved.
 
 use std::sync::Arc;
 

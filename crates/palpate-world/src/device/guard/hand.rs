@@ -7,8 +7,8 @@
 //! max over 0 <= W <= M of x'W y = (x'M y + |x|_M |y|_M)/2,  |x|_M = sqrt(x'M x)
 //! ```
 //!
-//! The last interval of length T1 had the mean velocity u and the wrench F(s). Wrenches on their way have the impulse J,
-//! the own wrench has P = F T at the centroid t_f. With the acceleration a_h of everything else:
+//! The last interval of length T1 had the mean velocity u and the wrench F(s). Wrenches on their way have the impulse
+//! J, the own wrench has P = F T at the centroid t_f. With the acceleration a_h of everything else:
 //!
 //! ```text
 //! late = (1/T1) integral of s F(s)

@@ -31,9 +31,9 @@ impl WorldRenderer {
     ///   point and axis apply to the current poses of the bodies.
     ///
     /// Device estimates and commanded forces continue. The energy added or removed by a change is recorded as outside
-    /// work. The ledgers of removed elements are summed in [`EnergyLedger::gone`](crate::EnergyLedger::gone). The force may step at
-    /// the next sample. This function allocates, like [`new`](Self::new). [`migrate`](Self::migrate) followed by
-    /// [`resume`](Self::resume) has the same effect, and `resume` does not allocate.
+    /// work. The ledgers of removed elements are summed in [`EnergyLedger::gone`](crate::EnergyLedger::gone). The force
+    /// may step at the next sample. This function allocates, like [`new`](Self::new). [`migrate`](Self::migrate)
+    /// followed by [`resume`](Self::resume) has the same effect, and `resume` does not allocate.
     ///
     /// # Errors
     /// All faults of the new world, or a changed number, order, name or kind of tools.
