@@ -7,8 +7,8 @@ use std::time::Duration;
 use palpate_core::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device};
-use palpate_haply::inverse3::{Inverse3, Inverse3Options, Pace, SERVICE};
-use palpate_haply::prepared::{Axis, FIRST_AXIS};
+use palpate_drivers::inverse3::{Inverse3, Inverse3Options, Pace, SERVICE};
+use palpate_drivers::prepared::{Axis, FIRST_AXIS};
 use palpate_study::sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -215,7 +215,7 @@ impl Placed {
                 "world_axes is for a World; for a Renderer, give normal",
             ));
         }
-        palpate_haply::prepared::axis(
+        palpate_drivers::prepared::axis(
             self.origin.as_deref(),
             self.normal.as_deref(),
             device,
@@ -223,8 +223,8 @@ impl Placed {
         )
         .map_err(|error| {
             let what = match error.what() {
-                palpate_haply::prepared::Placed::Origin => "origin",
-                palpate_haply::prepared::Placed::Normal => "normal",
+                palpate_drivers::prepared::Placed::Origin => "origin",
+                palpate_drivers::prepared::Placed::Normal => "normal",
             };
             refused(format!("{what}: {error}"))
         })

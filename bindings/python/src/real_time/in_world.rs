@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, Vector};
-use palpate_haply::inverse3::Inverse3;
-use palpate_haply::prepared::{WorldPlaceError, world_frame};
+use palpate_drivers::inverse3::Inverse3;
+use palpate_drivers::prepared::{WorldPlaceError, world_frame};
 use palpate_rt::{OnDevice, RenderedWorld, WorldAxis, WorldFrame};
 use palpate_scene::world::{WorldActuator, WorldDevice};
 use palpate_study::device_loop::NotRendered;
@@ -153,7 +153,7 @@ pub fn open(
             let device = py.detach(|| Inverse3::open(&options, clock));
             let device = device.map_err(|error| PyOSError::new_err(error.to_string()))?;
             let which =
-                palpate_haply::prepared::inverse3::identity(&options.service, device.device_id());
+                palpate_drivers::prepared::inverse3::identity(&options.service, device.device_id());
             identity = Some(which);
             let usual = device.opened_at();
             let frame = standing.frame(device.capabilities(), Some(usual), own.position)?;

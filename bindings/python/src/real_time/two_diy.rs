@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
-use palpate_haply::prepared::Axis;
-use palpate_haply::prepared::two_diy::{
+use palpate_drivers::prepared::Axis;
+use palpate_drivers::prepared::two_diy::{
     DisableOutput, Guard, OpenError, PortError, Setup, identity, usual_axis,
 };
-use palpate_haply::two_diy::{Board, Calibration, Generation};
+use palpate_drivers::two_diy::{Board, Calibration, Generation};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 

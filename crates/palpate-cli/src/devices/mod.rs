@@ -22,7 +22,7 @@ pub use watched::Watched;
 use palpate_core::AlongAxis;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, NullDevice, Vector};
-use palpate_haply::prepared::{Axis, FIRST_AXIS, Reconnecting, Reopen};
+use palpate_drivers::prepared::{Axis, FIRST_AXIS, Reconnecting, Reopen};
 use palpate_rt::WorldFrame;
 use palpate_scene::Scene;
 use palpate_scene::world::{WorldDevice, WorldScene};
@@ -36,7 +36,7 @@ use crate::reports::Guarding;
 #[cfg(unix)]
 use crate::values::duration;
 #[cfg(unix)]
-use palpate_haply::prepared::two_diy::{identity, usual_axis};
+use palpate_drivers::prepared::two_diy::{identity, usual_axis};
 
 /// An open device with the contact's axis in its frame.
 pub struct Opened {

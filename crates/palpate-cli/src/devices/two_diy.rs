@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use palpate_device::Device;
 use palpate_device::clock::Clock;
-use palpate_haply::prepared::Reopen;
-use palpate_haply::prepared::two_diy::{DisableOutput, Guard, OpenError, PortError, Setup};
-use palpate_haply::two_diy::{Board, Calibration, Generation, TwoDiy};
+use palpate_drivers::prepared::Reopen;
+use palpate_drivers::prepared::two_diy::{DisableOutput, Guard, OpenError, PortError, Setup};
+use palpate_drivers::two_diy::{Board, Calibration, Generation, TwoDiy};
 use palpate_rt::watchdog::WatchdogError;
 use rustix::termios::{QueueSelector, tcflush};
 

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Device, DeviceErrorKind};
-use palpate_haply::emulator::inverse3::{Emulator, Fault};
-use palpate_haply::inverse3::{Counts, Form, Inverse3, Inverse3Options, Pace};
+use palpate_drivers::emulator::inverse3::{Emulator, Fault};
+use palpate_drivers::inverse3::{Counts, Form, Inverse3, Inverse3Options, Pace};
 use serde_json::json;
 use tungstenite::Message;
 

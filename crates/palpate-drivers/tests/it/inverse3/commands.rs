@@ -1,6 +1,6 @@
 //! Messages to the service.
 
-use palpate_haply::inverse3::{Commands, Form};
+use palpate_drivers::inverse3::{Commands, Form};
 use serde_json::{Value, json};
 
 fn sent(message: &str) -> Value {

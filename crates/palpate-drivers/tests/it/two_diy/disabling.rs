@@ -136,7 +136,7 @@ fn a_loop_that_stands_still_is_cut_off() {
 #[test]
 fn the_zero_writer_waits_for_nobody() {
     let _alone = alone();
-    use palpate_haply::emulator::two_diy::Fault;
+    use palpate_drivers::emulator::two_diy::Fault;
     let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
     let mut device = open_in_the_middle(&emulator, SLOW);
     let mut zero = device.zero_writer().unwrap();

@@ -2,7 +2,7 @@
 //!
 //! # Overview
 //!
-//! Drivers of Haply's devices for a palpate loop. The module `emulator`, with the
+//! Drivers of haptic devices for a palpate loop. The module `emulator`, with the
 //! feature of that name, contains an emulator of each; [`prepared`] prepares devices for a loop.
 
 #[cfg(feature = "emulator")]

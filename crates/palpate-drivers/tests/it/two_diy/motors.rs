@@ -1,5 +1,5 @@
-use palpate_haply::emulator::two_diy::{Fault, Wiring};
-use palpate_haply::two_diy::{Unchecked, Verdict};
+use palpate_drivers::emulator::two_diy::{Fault, Wiring};
+use palpate_drivers::two_diy::{Unchecked, Verdict};
 use palpate_rt::StopFlag;
 
 use super::*;
@@ -74,7 +74,7 @@ fn a_check_gets_over_answers_that_are_lost() {
     let _alone = alone();
     let emulator = Emulator::start(&on_a_socket(Settings::new(
         Generation::Three,
-        palpate_haply::two_diy::Board::M0,
+        palpate_drivers::two_diy::Board::M0,
     )))
     .unwrap();
     // Short patience, so that a lost answer counts as many missing samples.

@@ -1,6 +1,6 @@
 //! Parser with invalid input: it returns without a panic and accepts no implausible values.
 
-use palpate_haply::inverse3::Frame;
+use palpate_drivers::inverse3::Frame;
 use proptest::prelude::*;
 use serde_json::Value;
 

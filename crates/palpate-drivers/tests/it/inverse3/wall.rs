@@ -5,8 +5,10 @@ use std::time::{Duration, Instant};
 
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
-use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault, Latency, holding};
-use palpate_haply::inverse3::{Form, Inspector, Inverse3};
+use palpate_drivers::emulator::inverse3::{
+    Body, Emulator, EmulatorOptions, Fault, Latency, holding,
+};
+use palpate_drivers::inverse3::{Form, Inspector, Inverse3};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::{SafetyParams, SafetyStop};
 use palpate_rt::{

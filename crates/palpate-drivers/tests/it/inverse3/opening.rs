@@ -4,8 +4,8 @@ use std::io::Write;
 use std::net::{Ipv6Addr, TcpListener};
 
 use palpate_device::clock::MonotonicClock;
-use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions};
-use palpate_haply::inverse3::{Form, Found, Inverse3, Inverse3Options, Unfit, devices};
+use palpate_drivers::emulator::inverse3::{Body, Emulator, EmulatorOptions};
+use palpate_drivers::inverse3::{Form, Found, Inverse3, Inverse3Options, Unfit, devices};
 
 use crate::inverse3::{ID, emulator, ms, options, wait_until};
 

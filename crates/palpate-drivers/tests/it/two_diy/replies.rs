@@ -1,5 +1,5 @@
-use palpate_haply::two_diy::packet::{Heard, REPLY_LENGTH, Replies};
-use palpate_haply::two_diy::{Generation, torques};
+use palpate_drivers::two_diy::packet::{Heard, REPLY_LENGTH, Replies};
+use palpate_drivers::two_diy::{Generation, torques};
 use proptest::prelude::*;
 
 use super::Board;

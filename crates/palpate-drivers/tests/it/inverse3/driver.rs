@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Device, DeviceErrorKind};
-use palpate_haply::emulator::inverse3::{Emulator, EmulatorOptions, Fault, Latency};
-use palpate_haply::inverse3::{Form, Inverse3, Inverse3Options, Pace};
+use palpate_drivers::emulator::inverse3::{Emulator, EmulatorOptions, Fault, Latency};
+use palpate_drivers::inverse3::{Form, Inverse3, Inverse3Options, Pace};
 
 use crate::inverse3::{ID, emulator, ms, next, open, options, wait_until};
 

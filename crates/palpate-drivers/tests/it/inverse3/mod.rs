@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose};
-use palpate_haply::emulator::inverse3::{Emulator, EmulatorOptions};
-use palpate_haply::inverse3::{Form, Inverse3, Inverse3Options};
+use palpate_drivers::emulator::inverse3::{Emulator, EmulatorOptions};
+use palpate_drivers::inverse3::{Form, Inverse3, Inverse3Options};
 
 /// The only device of most emulators.
 pub(crate) const ID: &str = "049D";

@@ -1,8 +1,8 @@
 use std::io::{Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 
-use palpate_haply::emulator::two_diy::Wiring;
-use palpate_haply::two_diy::LARGEST_TORQUE;
+use palpate_drivers::emulator::two_diy::Wiring;
+use palpate_drivers::two_diy::LARGEST_TORQUE;
 use palpate_testbed::pantograph::kinematics::Geometry;
 
 use super::*;
@@ -239,7 +239,8 @@ fn a_board_left_with_a_torque_in_the_middle_of_a_packet_is_taken_over_without_on
         wait_until("the torque", || !is_none(emulator.torques()));
         holder.kill().unwrap();
         holder.wait().unwrap();
-        let stray = palpate_haply::two_diy::packet::state(&Generation::Three.layout(), [0.1, 0.1]);
+        let stray =
+            palpate_drivers::two_diy::packet::state(&Generation::Three.layout(), [0.1, 0.1]);
         let mut left = UnixStream::connect(emulator.path()).unwrap();
         left.write_all(&stray[..cut]).unwrap();
         drop(left);

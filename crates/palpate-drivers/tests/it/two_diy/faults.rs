@@ -1,4 +1,4 @@
-use palpate_haply::emulator::two_diy::{Fault, PortSettings};
+use palpate_drivers::emulator::two_diy::{Fault, PortSettings};
 use palpate_record::recording::{Flags, Row};
 use palpate_rt::realtime::Request;
 use palpate_rt::{

@@ -1,6 +1,6 @@
 //! Parsing of frames: accepted and rejected values.
 
-use palpate_haply::inverse3::{Frame, FrameError, Model, Status, Unfit};
+use palpate_drivers::inverse3::{Frame, FrameError, Model, Status, Unfit};
 use serde_json::{Value, json};
 
 use crate::inverse3::samples::{full_3_1, full_3_5};

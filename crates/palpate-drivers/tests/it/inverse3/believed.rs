@@ -1,6 +1,6 @@
 //! Accepted values for arbitrary bytes. The fuzzer generates millions of inputs (`fuzz/`), the tests a few.
 
-use palpate_haply::inverse3::{FARTHEST, FASTEST, Frame};
+use palpate_drivers::inverse3::{FARTHEST, FASTEST, Frame};
 
 /// Checks that the values accepted from any `bytes` are within bounds.
 pub fn read(bytes: &[u8]) {

@@ -17,8 +17,8 @@ use std::time::{Duration, Instant};
 use palpate_core::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Device, DeviceErrorKind, Pose};
-use palpate_haply::emulator::two_diy::{Did, Emulator, Hand, PortSettings, Seen, Settings};
-use palpate_haply::two_diy::{Board, Calibration, Generation, OpenError, Options, TwoDiy};
+use palpate_drivers::emulator::two_diy::{Did, Emulator, Hand, PortSettings, Seen, Settings};
+use palpate_drivers::two_diy::{Board, Calibration, Generation, OpenError, Options, TwoDiy};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
 
