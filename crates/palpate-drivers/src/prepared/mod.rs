@@ -4,7 +4,10 @@
 //!
 //! The caller defines the flags, their messages and the recipients of reports.
 
+#[cfg(unix)]
+mod guard;
 pub mod inverse3;
+mod on_axes;
 mod placed;
 mod reconnecting;
 #[cfg(unix)]
@@ -12,5 +15,8 @@ pub mod trial;
 #[cfg(unix)]
 pub mod two_diy;
 
+#[cfg(unix)]
+pub use guard::Guard;
+pub use on_axes::on_axes;
 pub use placed::{Axis, FIRST_AXIS, PlaceError, Placed, WorldPlaceError, axis, world_frame};
 pub use reconnecting::{Reconnecting, Reopen};

@@ -8,7 +8,7 @@ use std::thread::Builder;
 use std::time::Duration;
 
 use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Line, Pose, Wrench, ZeroWriter,
+    Capabilities, Connection, Device, DeviceError, DeviceErrorKind, Line, Pose, Wrench, ZeroWriter,
 };
 
 /// Interval between attempts to reopen the device.
@@ -205,6 +205,10 @@ impl Device for Reconnecting {
 
     fn was_cut(&mut self) -> bool {
         self.device.as_mut().is_some_and(Device::was_cut)
+    }
+
+    fn connection(&self) -> Option<Connection> {
+        self.device.as_ref()?.connection()
     }
 }
 

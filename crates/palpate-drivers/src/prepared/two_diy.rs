@@ -1,8 +1,6 @@
 //! The Haply 2DIY on a serial port: port detection, opening with its watchdog process, and orderly shutdown.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::sync::Arc;
 use std::time::Duration;
 
 use crate::two_diy::{Board, Calibration, Generation, Options, TwoDiy, ports};
@@ -10,9 +8,9 @@ use palpate_device::clock::Clock;
 use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
 };
-use palpate_rt::watchdog::{WatchdogAccount, WatchdogError};
+use palpate_rt::watchdog::WatchdogError;
 
-use crate::prepared::Axis;
+use crate::prepared::{Axis, Guard};
 
 /// Returns the default axis of a contact on a 2DIY: away from the base, along the middle line.
 #[must_use]
@@ -39,18 +37,6 @@ pub struct Setup {
     pub board: Option<Board>,
     /// Pose of the arm at opening.
     pub calibration: Calibration,
-}
-
-/// Watchdog process of a 2DIY. The board holds its last torque, so only another process can remove it after the
-/// program is killed or stopped.
-#[derive(Debug)]
-pub struct Guard {
-    /// Command that runs [`palpate_rt::watchdog::serve`].
-    pub command: Command,
-    /// Maximum time without a message from the loop while a force is on.
-    pub limit: Duration,
-    /// Record of the watchdog's actions.
-    pub account: Arc<WatchdogAccount>,
 }
 
 /// Reason why no port can be selected for a 2DIY. The caller adds how to name a port.
