@@ -33,7 +33,7 @@ extern "C" {
 #define PALPATE_DEVICE_DISCONNECTED 2 /* the device is gone: the loop ends */
 #define PALPATE_DEVICE_REFUSED 3      /* the device rejects: the loop commands 0 until it works again */
 
-/* What the device can do. 0 in a double means unknown. */
+/* Capabilities of the device. 0 in a double means unknown. */
 typedef struct PalpateDeviceCapabilities {
     uint32_t size;             /* sizeof(PalpateDeviceCapabilities), set by the caller */
     uint32_t axes;             /* axes with a position and a force, 1 to 3 */

@@ -1,4 +1,4 @@
-"""Devices of one's own: in Python, and in programs of their own."""
+"""User-defined devices: in Python, and in other programs."""
 
 from __future__ import annotations
 

@@ -160,7 +160,7 @@ impl<D: Device, C: Clock, R: Renders> Drop for LoopThread<D, C, R> {
 
 /// The supervisor of a loop on its thread.
 pub(crate) struct Supervised {
-    /// `None`: no device has a zero writer, or the clock stands still between ticks.
+    /// `None`: no device has a zero writer, or the clock advances only in the loop.
     pub thread: Option<JoinHandle<()>>,
     /// Results of its real-time requests.
     pub answers: Vec<Answer>,

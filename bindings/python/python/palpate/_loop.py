@@ -110,7 +110,7 @@ class Loop(Fixed, _palpate.Loop):
             ticks = loop.read(wait=1.0)
 
     The thread samples the device, renders, and commands the force through a safety layer (`docs/realtime.md`). Only a
-    `palpate.devices.Device` of one's own runs Python in that thread. Python
+    user-defined `palpate.devices.Device` runs Python in that thread. Python
     reads the ticks and can change the rendering. The loop renders a copy of the renderer or world, from its initial
     state; `force_limit` and `soft_start` of the renderer apply to the loop.
 

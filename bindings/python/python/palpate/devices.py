@@ -1,4 +1,4 @@
-"""Devices for `palpate.Loop`: simulated devices, Haply devices, and devices of one's own.
+"""Devices for `palpate.Loop`: simulated devices, Haply devices, and user-defined devices.
 
     import palpate
 
@@ -6,7 +6,7 @@
     device = palpate.devices.Simulated("experiments/wall.toml")  # device and hand of a scene
     device = palpate.devices.TwoDiy("/dev/ttyACM0")
     device = palpate.devices.Inverse3()
-    device = palpate.devices.Process("python my_device.py")  # a program that moves a device of one's own
+    device = palpate.devices.Process("python my_device.py")  # a program that moves a device
 
 A world needs one of these for each of its devices:
 
@@ -37,7 +37,7 @@ __all__ = ["Capabilities", "Device", "Inverse3", "Pointer", "PointerInWorld", "P
 
 
 class Capabilities(NamedTuple):
-    """What a device of one's own can do. `None`: unknown, no limit."""
+    """Capabilities of a user-defined device. `None`: unknown, no limit."""
 
     name: str = "own device"
     """Name of the device, for reports and recordings."""
@@ -58,7 +58,7 @@ class Capabilities(NamedTuple):
 
 
 class Device:
-    """Device of a `palpate.Loop`. A subclass with `capabilities`, `read` and `write` is a driver of one's own.
+    """Device of a `palpate.Loop`. A subclass with `capabilities`, `read` and `write` is a user-defined driver.
 
         class Knob(palpate.devices.Device):
             def capabilities(self):
@@ -116,7 +116,7 @@ class Device:
         kind = type(self)
         lacks = [name for name in ("capabilities", "read", "write") if getattr(kind, name) is getattr(Device, name)]
         if lacks:
-            raise TypeError(f"{kind.__name__} has no method {', '.join(lacks)}; a device of one's own defines it")
+            raise TypeError(f"{kind.__name__} has no method {', '.join(lacks)}; a user-defined device defines it")
         can = self.capabilities()
         if not isinstance(can, Capabilities):
             raise TypeError(f"capabilities() returned {can!r}, but must return palpate.devices.Capabilities")

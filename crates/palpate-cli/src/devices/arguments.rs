@@ -129,7 +129,7 @@ impl DeviceArguments {
             })
     }
 
-    /// Returns where a device of one's own is.
+    /// Returns the location of a user-defined device.
     pub fn own(&self) -> Option<&OwnDevice> {
         match &self.device[..] {
             [Choice::Own(own)] => Some(own),
@@ -251,7 +251,7 @@ impl Inverse3Arguments {
 pub enum Choice {
     /// A kind of device.
     Kind(DeviceName),
-    /// A device of one's own.
+    /// A user-defined device.
     Own(OwnDevice),
     /// The device of one tool of a world.
     Of {
@@ -262,7 +262,7 @@ pub enum Choice {
     },
 }
 
-/// Where a device of one's own is.
+/// Location of a user-defined device.
 #[derive(Clone, Debug)]
 pub enum OwnDevice {
     /// Another program.

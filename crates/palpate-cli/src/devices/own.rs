@@ -1,4 +1,4 @@
-//! Devices of one's own: their setup from flags, and their messages.
+//! User-defined devices: their setup from flags, and their messages.
 
 use std::time::Duration;
 

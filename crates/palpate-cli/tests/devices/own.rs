@@ -1,4 +1,4 @@
-//! Devices of one's own: programs in any language.
+//! User-defined devices: programs in any language.
 
 #![cfg(unix)]
 

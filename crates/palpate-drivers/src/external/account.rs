@@ -9,10 +9,10 @@ use super::protocol::Sample;
 use crate::device_time::{DeviceTime, Stamp};
 
 /// Number of stored send times: more than the messages of [`answers_within`] at 4 kHz.
-const REMEMBERED: u64 = 1024;
-/// Number of earlier samples that are told apart when they arrive late.
+const REMEMBERED: usize = 1024;
+/// Number of earlier samples whose late arrival and repetition are distinguished.
 const WINDOW: u64 = 64;
-/// Longest time from a message to its answer. A later answer is no sample.
+/// Longest time from a message to its answer. A later answer counts as missing.
 pub fn answers_within(period: Duration, sends_every: Option<Duration>) -> Duration {
     let longest = period.max(sends_every.unwrap_or_default());
     longest.saturating_mul(3).max(Duration::from_millis(10))
@@ -40,7 +40,7 @@ pub struct Account {
     has_repeated: bool,
     /// Number of the last message to the device.
     sent: u64,
-    sent_at: [Duration; REMEMBERED as usize],
+    sent_at: [Duration; REMEMBERED],
     /// Request without an answer.
     asked: Option<u64>,
     /// Number of the newest sample, and a bit for each of the [`WINDOW`] before it.
@@ -69,7 +69,7 @@ impl Account {
             },
             has_repeated: false,
             sent: 0,
-            sent_at: [Duration::ZERO; REMEMBERED as usize],
+            sent_at: [Duration::ZERO; REMEMBERED],
             asked: None,
             newest: None,
             window: 0,
@@ -234,14 +234,14 @@ impl Account {
 
     /// Returns when a message was sent; 0 if that is forgotten.
     fn at(&self, number: u64) -> Duration {
-        let is_kept = number > 0 && number + REMEMBERED > self.sent;
+        let is_kept = number > 0 && number + REMEMBERED as u64 > self.sent;
         let at = self.sent_at.get(self.place(number)).copied();
         at.filter(|_| is_kept).unwrap_or_default()
     }
 
     #[allow(clippy::cast_possible_truncation, reason = "a remainder is small")]
     fn place(&self, number: u64) -> usize {
-        (number % REMEMBERED) as usize
+        (number % REMEMBERED as u64) as usize
     }
 
     /// Returns the statistics.

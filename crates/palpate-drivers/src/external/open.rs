@@ -25,7 +25,7 @@ const REPEATS_EVERY: Duration = Duration::from_millis(50);
 /// Number of samples that measure the round trip at opening.
 const TRIALS: usize = 20;
 
-/// Where the program of a device is.
+/// Location of the program of a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
     /// The words of a command that starts it.

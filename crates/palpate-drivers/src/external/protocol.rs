@@ -161,7 +161,7 @@ fn unit(quaternion: [f64; 4]) -> Option<[f64; 4]> {
         .then(|| quaternion.map(|part| part / length))
 }
 
-/// What a device says of itself.
+/// Answer of a device to `hello`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Introduction {
     /// Capabilities of the device.
@@ -181,7 +181,7 @@ impl Introduction {
     /// Parses the answer to `hello`: `device 1 axes=2 largest_force_n=5 name=My device`.
     ///
     /// # Errors
-    /// The first wrong word, with what is allowed.
+    /// The first wrong word, with the allowed values.
     pub fn parse(line: &str) -> Result<Self, String> {
         let line = line.trim();
         // The name is the rest of the line, with its spaces.

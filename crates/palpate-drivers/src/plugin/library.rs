@@ -9,7 +9,7 @@
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::Path;
-use std::ptr::{NonNull, null, null_mut};
+use std::ptr::{NonNull, null_mut};
 
 use libloading::{Library, Symbol};
 
@@ -274,7 +274,7 @@ fn function<F: Copy>(library: &Library, name: &'static str) -> Result<F, Library
 
 /// Copies a text of the library.
 fn text(from: *const c_char) -> Option<String> {
-    if from == null() {
+    if from.is_null() {
         return None;
     }
     // SAFETY: The header demands a text that ends with a zero byte and lasts until the next call.
