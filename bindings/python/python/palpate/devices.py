@@ -33,7 +33,7 @@ from ._arrays import numbers, row
 from ._scene import Scene
 from ._world import World
 
-__all__ = ["Capabilities", "Device", "Inverse3", "Pointer", "PointerInWorld", "Process", "Simulated", "TwoDiy", "Udp"]
+__all__ = ["Capabilities", "Device", "Inverse3", "Plugin", "Pointer", "PointerInWorld", "Process", "Simulated", "TwoDiy", "Udp"]
 
 
 class Capabilities(NamedTuple):
@@ -432,6 +432,35 @@ class Process(Device):
     def _given(self) -> dict[str, Any]:
         own = {"command": self._command, "address": None, "allow_remote": False, "watchdog": self._watchdog}
         return {"kind": "external", **own, **_placed(self)}
+
+
+class Plugin(Device):
+    """Device of a shared library with the functions of `bindings/c/include/palpate_device.h`.
+
+    No watchdog process can reach it: if this process is killed, only the device itself can remove its force.
+
+    Args:
+        library: File of the library.
+        argument: Text that the library interprets.
+        origin: Device position at which the contact's coordinate is 0 [m], or that of the world's device; `None`: 0.
+        normal: Direction in which the contact's coordinate increases; `None`: the first axis. Not for a world.
+        world_axes: Axes of the world for those of the device, such as `["x", "-z"]`; `None`: x, y, z. For a world only.
+    """
+
+    def __init__(
+        self,
+        library: str | os.PathLike[str],
+        argument: str = "",
+        *,
+        origin: Sequence[float] | None = None,
+        normal: Sequence[float] | None = None,
+        world_axes: Sequence[str] | None = None,
+    ) -> None:
+        self._library, self._argument = library, argument
+        self.origin, self.normal, self.world_axes = origin, normal, world_axes
+
+    def _given(self) -> dict[str, Any]:
+        return {"kind": "plugin", "library": self._library, "argument": self._argument, **_placed(self)}
 
 
 class Udp(Device):

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::ended::Closed;
-use super::external::{ExternalGiven, external};
+use super::external::{ExternalGiven, PluginGiven, external, plugin};
 use super::held::{Held, Telling};
 use super::own_device::OwnDevice;
 use crate::names::{refused, wrong_on_bench};
@@ -167,6 +167,12 @@ pub fn open(
             let (own, placed): (ExternalGiven, Placed) = (given.extract()?, given.extract()?);
             let opening = || external(&own, clock, period, silence, &closed);
             let (device, _) = py.detach(opening)?;
+            let axis = placed.axis(device.capabilities(), FIRST_AXIS)?;
+            (device, axis)
+        }
+        "plugin" => {
+            let (own, placed): (PluginGiven, Placed) = (given.extract()?, given.extract()?);
+            let (device, _) = py.detach(|| plugin(&own, clock, &closed))?;
             let axis = placed.axis(device.capabilities(), FIRST_AXIS)?;
             (device, axis)
         }

@@ -1,12 +1,14 @@
-//! A device of another program, with its watchdog process.
+//! Devices of other programs, with their watchdog process, and of shared libraries.
 
 use std::net::ToSocketAddrs;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_drivers::external::{External, Place};
+use palpate_drivers::plugin::Plugin;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
@@ -53,6 +55,33 @@ impl ExternalGiven {
         }
         Ok(Place::Udp(address))
     }
+}
+
+/// Arguments of the device `plugin`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct PluginGiven {
+    library: PathBuf,
+    argument: String,
+}
+
+/// Opens the device of a shared library and returns it with its identity.
+pub fn plugin(
+    given: &PluginGiven,
+    clock: MonotonicClock,
+    closed: &Closed,
+) -> PyResult<(Box<dyn Device>, Option<String>)> {
+    let closed = Arc::clone(closed);
+    let tell = move |why| {
+        let _ = closed.set(AtTheEnd::Said(why));
+    };
+    let library = given.library.display();
+    let device = Plugin::open(&given.library, &given.argument, clock, tell)
+        .map_err(|error| PyOSError::new_err(format!("the plug-in {library}: {error}")))?;
+    Ok((
+        Box::new(device),
+        Some(format!("plugin:{library},{}", given.argument)),
+    ))
 }
 
 /// Opens a device of another program with the given watchdog process and returns it with its identity.

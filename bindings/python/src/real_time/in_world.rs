@@ -16,7 +16,7 @@ use pyo3::types::PyDict;
 
 use super::devices::{Inverse3Given, TwoDiyGiven, two_diy};
 use super::ended::Closed;
-use super::external::{ExternalGiven, external};
+use super::external::{ExternalGiven, PluginGiven, external, plugin};
 use super::held::{Held, Telling};
 use super::own_device::OwnDevice;
 use crate::names::{refused, wrong_on_bench};
@@ -167,6 +167,15 @@ pub fn open(
             standing.check()?;
             let opening = || external(&device_given, clock, period, silence, &closed);
             let (device, which) = py.detach(opening)?;
+            identity = which;
+            let frame = standing.frame(device.capabilities(), None, own.position)?;
+            (device, frame)
+        }
+        "plugin" => {
+            let (device_given, standing): (PluginGiven, Standing) =
+                (given.extract()?, given.extract()?);
+            standing.check()?;
+            let (device, which) = py.detach(|| plugin(&device_given, clock, &closed))?;
             identity = which;
             let frame = standing.frame(device.capabilities(), None, own.position)?;
             (device, frame)

@@ -97,7 +97,7 @@ fn a_killed_or_stopped_run_leaves_no_force() {
         command.args(["--soft-start", "0", "--device", &device]);
         let mut running = Running::start(command.stdout(Stdio::null()).stderr(Stdio::null()));
         let is_on = |line: &str| line.starts_with("wrench ") && !line.ends_with(" 0e0");
-        wait_for(&log, "a force", |text| text.lines().any(|line| is_on(line)));
+        wait_for(&log, "a force", |text| text.lines().any(is_on));
         running.signal(signal);
         let text = wait_for(&log, "zero", |text| {
             let last_on = text.lines().collect::<Vec<_>>();
