@@ -2,8 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use palpate_haply::two_diy::packet::{Heard, REPLY_LENGTH, Replies};
-use palpate_haply::two_diy::{Board, Generation, LARGEST_TORQUE, torques};
+use palpate_drivers::two_diy::packet::{Heard, REPLY_LENGTH, Replies};
+use palpate_drivers::two_diy::{Board, Generation, LARGEST_TORQUE, torques};
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((choice, bytes)) = bytes.split_first() else {

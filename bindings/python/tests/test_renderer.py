@@ -319,14 +319,6 @@ def test_a_simulated_device_checks_what_it_is_made_of() -> None:
         device.stiffness = 1.0  # type: ignore[attr-defined]
 
 
-def test_a_device_of_ones_own_says_what_is_possible() -> None:
-    class Mine(palpate.devices.Device):
-        pass
-
-    with pytest.raises(TypeError, match="Mine cannot be a device of a palpate.Loop: .*from your own loop"):
-        Mine()
-
-
 @pytest.mark.parametrize("kind", ["renderer", "world"])
 def test_created_energy_stops_the_forces(kind: str) -> None:
     """Held while the device leaves by 2 mm, 2 N create 4 mJ in each second period."""

@@ -7,8 +7,8 @@ use haply::HaplyDevice;
 use haply::device_model::{Config, DeviceType, Force, ForceInput, ProfileConfig, SessionConfigure};
 use haply::events::EventChannel;
 use haply::http::InverseHttpClient;
-use palpate_haply::emulator::inverse3::{Emulator, EmulatorOptions};
-use palpate_haply::inverse3::Form;
+use palpate_drivers::emulator::inverse3::{Emulator, EmulatorOptions};
+use palpate_drivers::inverse3::Form;
 
 const ID: &str = "049D";
 

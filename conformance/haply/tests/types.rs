@@ -5,7 +5,7 @@ use haply::device_model::{
     Inverse3Message, Inverse3OutMsg, Inverse3State, Inverse3Status, ServiceData, ServiceState,
     SessionMsg, Transform, Vec3D,
 };
-use palpate_haply::inverse3::{Commands, Form, Frame, Model, Unfit};
+use palpate_drivers::inverse3::{Commands, Form, Frame, Model, Unfit};
 
 fn state(position: [f32; 3], velocity: [f32; 3]) -> Inverse3State {
     Inverse3State {

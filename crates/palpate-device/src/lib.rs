@@ -19,6 +19,7 @@
 
 mod capabilities;
 pub mod clock;
+mod connection;
 mod cut;
 mod null;
 mod pose;
@@ -28,6 +29,7 @@ mod scripted;
 use std::fmt;
 
 pub use capabilities::Capabilities;
+pub use connection::Connection;
 pub use cut::Cut;
 pub use null::NullDevice;
 pub use pose::{Line, Pose, Vector, Wrench};
@@ -144,6 +146,12 @@ pub trait Device: Send {
     fn was_cut(&mut self) -> bool {
         false
     }
+
+    /// Returns the statistics of the connection, for the report of a run. `None`, the default: the driver has none. Not
+    /// called in a tick.
+    fn connection(&self) -> Option<Connection> {
+        None
+    }
 }
 
 /// Path to command zero force independently of the device object.
@@ -213,5 +221,9 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn was_cut(&mut self) -> bool {
         (**self).was_cut()
+    }
+
+    fn connection(&self) -> Option<Connection> {
+        (**self).connection()
     }
 }

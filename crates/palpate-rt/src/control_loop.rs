@@ -314,6 +314,36 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
     pub fn tick(&mut self) -> Row {
         let deadline = self.deadline();
         self.clock.sleep_until(deadline);
+        self.tick_now(deadline)
+    }
+
+    /// Performs one period now, on the thread of another scheduler, unless the loop has ended: then commands zero force.
+    /// The next deadline is a period after this tick.
+    pub(crate) fn tick_unless(
+        &mut self,
+        stop: &StopFlag,
+        most: Option<u64>,
+    ) -> Result<Row, Ending> {
+        let ending = if stop.is_raised() {
+            Some(Ending::Stopped)
+        } else if most.is_some_and(|most| self.statistics.periods() >= most) {
+            Some(Ending::Complete)
+        } else {
+            self.lost.then_some(Ending::DeviceLost)
+        };
+        if let Some(ending) = ending {
+            self.disable_output();
+            return Err(ending);
+        }
+        let deadline = self.deadline();
+        let row = self.tick_now(deadline);
+        let next = self.ticked.unwrap_or(deadline).saturating_add(self.period);
+        self.deadlines = Some(Deadlines::new(self.period, next));
+        Ok(row)
+    }
+
+    /// Samples, renders and commands.
+    fn tick_now(&mut self, deadline: Duration) -> Row {
         let woke = self.clock.now();
         let before = self.ticked.replace(woke);
         let was_cut = self.supervisor_cut();

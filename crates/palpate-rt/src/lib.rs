@@ -10,7 +10,7 @@
 //! [`Device`](palpate_device::Device), renders, and commands the wrench limited by [`Safety`](safety::Safety). A
 //! running loop does not allocate, lock or block. It sends ticks and events through a [`tap`], for example to a
 //! [`Recorder`]. [`realtime`] requests real-time scheduling of the loop's thread and reports refusals. [`LoopThread`]
-//! runs the loop on a thread with a supervisor.
+//! runs the loop on a thread with a supervisor, [`ForeignTicks`] on the thread of another scheduler.
 //!
 //! ```
 //! use palpate_device::clock::SteppedClock;
@@ -52,6 +52,11 @@ mod deadlines;
 mod delivered;
 mod driven;
 mod fade;
+#[allow(
+    clippy::disallowed_methods,
+    reason = "starts and joins the supervisor; ticks are made in `control_loop`"
+)]
+mod foreign;
 mod held;
 mod lateness_watch;
 mod metadata;
@@ -91,6 +96,7 @@ mod wire;
 pub use bounded_local_world::{BoundedLocalWorld, HeldLocal, bounded_local_world};
 pub use bounded_world::{Answered, BoundedWorld, Held, WorldSafety};
 pub use control_loop::ControlLoop;
+pub use foreign::ForeignTicks;
 pub use metadata::{NoFrame, OnDevice, frames_of_devices, metadata, metadata_of_devices};
 pub use note::{Ending, LoopEvent, Note};
 pub use recorder::{Account, Recorder};

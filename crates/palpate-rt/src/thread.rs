@@ -60,30 +60,12 @@ impl<D: Device + 'static, C: Clock, R: Renders + 'static> LoopThread<D, C, R> {
         let parameters = control.parameters();
         let rearm = control.rearm();
         let heartbeat = control.heartbeat();
-        let ended = Arc::new(AtomicBool::new(false));
-        let (sent_beside, answered_beside) = std::sync::mpsc::channel();
-        let supervisor = control
-            .supervisor()
-            .filter(|_| C::RUNS)
-            .map(|supervisor| {
-                // The loop's own clock: by another clock the loop might never be late.
-                let (clock, ended) = (control.clock(), Arc::clone(&ended));
-                // Above the priority of the loop, or it could not cut a loop that never sleeps.
-                let priority = request.priority.map(|priority| (priority + 1).min(99));
-                Builder::new()
-                    .name("palpate supervisor".to_owned())
-                    .spawn(move || {
-                        let beside = Request {
-                            priority,
-                            ..Request::nothing()
-                        };
-                        let _ = sent_beside.send(beside.ask());
-                        supervisor.watch(&clock, &ended);
-                    })
-            })
-            .transpose()?;
         // Before the loop starts: a loop that never sleeps might not let the supervisor make its requests.
-        let beside = answered_beside.recv().unwrap_or_default();
+        let Supervised {
+            thread: supervisor,
+            answers: beside,
+            ended,
+        } = Supervised::start(&mut control, request)?;
         let (messages, answered) = std::sync::mpsc::channel();
         let (stopped, over) = (stop.clone(), Arc::clone(&ended));
         let thread = Builder::new()
@@ -176,6 +158,50 @@ impl<D: Device, C: Clock, R: Renders> Drop for LoopThread<D, C, R> {
     }
 }
 
+/// The supervisor of a loop on its thread.
+pub(crate) struct Supervised {
+    /// `None`: no device has a zero writer, or the clock advances only in the loop.
+    pub thread: Option<JoinHandle<()>>,
+    /// Results of its real-time requests.
+    pub answers: Vec<Answer>,
+    /// Ends it.
+    pub ended: Arc<AtomicBool>,
+}
+
+impl Supervised {
+    /// Starts the supervisor of `control`, whose own thread has the requests `request`.
+    pub fn start<D: Device, C: Clock, R: Renders>(
+        control: &mut ControlLoop<D, C, R>,
+        request: Request,
+    ) -> io::Result<Self> {
+        let ended = Arc::new(AtomicBool::new(false));
+        let (sent, answered) = std::sync::mpsc::channel();
+        let supervisor = control.supervisor().filter(|_| C::RUNS);
+        let thread = supervisor.map(|supervisor| {
+            // The loop's own clock: by another clock the loop might never be late.
+            let (clock, ended) = (control.clock(), Arc::clone(&ended));
+            // Above the priority of the loop, or it could not cut a loop that never sleeps.
+            let priority = request.priority.map(|priority| (priority + 1).min(99));
+            Builder::new()
+                .name("palpate supervisor".to_owned())
+                .spawn(move || {
+                    let beside = Request {
+                        priority,
+                        ..Request::nothing()
+                    };
+                    let _ = sent.send(beside.ask());
+                    supervisor.watch(&clock, &ended);
+                })
+        });
+        let thread = thread.transpose()?;
+        Ok(Self {
+            answers: answered.recv().unwrap_or_default(),
+            thread,
+            ended,
+        })
+    }
+}
+
 /// Returns the results of the supervisor's requests, without refusals that the loop's results already contain.
 fn supervisors(beside: Vec<Answer>, loop_is_refused: bool) -> impl Iterator<Item = Answer> {
     beside
@@ -188,7 +214,7 @@ fn supervisors(beside: Vec<Answer>, loop_is_refused: bool) -> impl Iterator<Item
 }
 
 /// Sets the flag when dropped, however the loop ended.
-struct Over(Arc<AtomicBool>);
+pub(crate) struct Over(pub Arc<AtomicBool>);
 
 impl Drop for Over {
     fn drop(&mut self) {
@@ -213,6 +239,15 @@ fn run<D: Device, C: Clock, R: Renders>(
             (Ending::Panicked, Some(words(payload.as_ref())))
         }
     };
+    concluded(control, ending, panic)
+}
+
+/// Closes the tap and returns the result of a loop.
+pub(crate) fn concluded<D: Device, C: Clock, R: Renders>(
+    mut control: ControlLoop<D, C, R>,
+    ending: Ending,
+    panic: Option<String>,
+) -> LoopEnd<D, C, R> {
     control.close_tap(ending);
     LoopEnd {
         ending,
@@ -224,7 +259,7 @@ fn run<D: Device, C: Clock, R: Renders>(
     }
 }
 
-fn words(payload: &(dyn Any + Send)) -> String {
+pub(crate) fn words(payload: &(dyn Any + Send)) -> String {
     payload
         .downcast_ref::<&str>()
         .map(|text| (*text).to_owned())

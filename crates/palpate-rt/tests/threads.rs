@@ -18,7 +18,7 @@ use palpate_device::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter
 use palpate_record::recording::{ContactTick, Entry, Recording, RecordingMetadata, Tick};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, Ending, LoopThread, Recorder, Rendering, StopFlag};
+use palpate_rt::{ControlLoop, Ending, ForeignTicks, LoopThread, Recorder, Rendering, StopFlag};
 
 /// Observed calls of a device.
 #[derive(Default)]
@@ -340,4 +340,49 @@ fn tail_without_room(contacts: usize) {
     assert_eq!((tail.after, tail.count), (Some(last), made - 1 - last));
     let ending = recording.counted.unwrap().ending;
     assert_eq!(ending.as_deref(), Some("stopped on request"));
+}
+
+/// A scheduler of its own, such as that of a vendor: a thread that calls the tick until it ends.
+fn scheduler(
+    mut ticks: ForeignTicks<Faulty, MonotonicClock>,
+    period: Duration,
+) -> std::thread::JoinHandle<ForeignTicks<Faulty, MonotonicClock>> {
+    std::thread::spawn(move || {
+        while ticks.tick().is_some() {
+            sleep(period);
+        }
+        ticks
+    })
+}
+
+#[test]
+fn a_foreign_thread_that_hangs_is_cut_by_the_supervisor() {
+    let (control, seen) = control(FaultKind::Hangs, 0.02);
+    let stop = StopFlag::new();
+    let ticks = ForeignTicks::start(control, Request::default(), &stop, None).unwrap();
+    let thread = scheduler(ticks, Duration::from_millis(2));
+    wait_for_reads(&seen, 101);
+    let begun = Instant::now();
+    while seen.zeroed.load(Ordering::SeqCst) == 0 {
+        assert!(begun.elapsed() < Duration::from_secs(20), "it is not cut");
+        sleep(Duration::from_millis(1));
+    }
+    seen.is_released.store(true, Ordering::SeqCst);
+    wait_for_reads(&seen, 105);
+    stop.raise();
+    let end = thread.join().unwrap().finish().unwrap();
+    assert_eq!(end.ending, Ending::Stopped);
+    assert!(end.cuts >= 1);
+    assert_eq!(force(&seen), 0.0);
+}
+
+#[test]
+fn a_panic_of_a_driver_does_not_reach_the_foreign_thread() {
+    let (control, seen) = control(FaultKind::Panics, 0.001);
+    let ticks = ForeignTicks::start(control, Request::nothing(), &StopFlag::new(), None).unwrap();
+    let thread = scheduler(ticks, Duration::ZERO);
+    let end = thread.join().unwrap().finish().unwrap();
+    assert_eq!(end.ending, Ending::Panicked);
+    assert_eq!(end.panic.as_deref(), Some("the cable is on fire"));
+    assert_eq!(force(&seen), 0.0);
 }

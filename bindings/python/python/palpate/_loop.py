@@ -109,7 +109,8 @@ class Loop(Fixed, _palpate.Loop):
         with palpate.Loop(palpate.devices.Pointer(), palpate.Renderer(stiffness=400.0, ...)) as loop:
             ticks = loop.read(wait=1.0)
 
-    The thread samples the device, renders, and commands the force through a safety layer (`docs/realtime.md`). Python
+    The thread samples the device, renders, and commands the force through a safety layer (`docs/realtime.md`). Only a
+    user-defined `palpate.devices.Device` runs Python in that thread. Python
     reads the ticks and can change the rendering. The loop renders a copy of the renderer or world, from its initial
     state; `force_limit` and `soft_start` of the renderer apply to the loop.
 
@@ -235,6 +236,7 @@ class Loop(Fixed, _palpate.Loop):
         made._world = renderer if isinstance(renderer, World) else None
         made._is_slow = isinstance(renderer, _palpate.LowRateSimulator)
         made._started = made._said = False
+        made._drivers = list(device.values()) if isinstance(device, Mapping) else [device]
         return made
 
     _parameters: dict[str, Any]
@@ -242,6 +244,7 @@ class Loop(Fixed, _palpate.Loop):
     _is_slow: bool
     _started: bool
     _said: bool
+    _drivers: list[Device]
 
     def start(self) -> list[Granted]:  # type: ignore[override]
         """Starts the thread of the loop. A loop runs once.
@@ -272,7 +275,8 @@ class Loop(Fixed, _palpate.Loop):
         self._found(report=report)
         if failure is not None and not self._said:
             self._said = True
-            raise LoopError(failure)
+            raised = next((device._raised for device in self._drivers if device._raised is not None), None)
+            raise LoopError(failure if raised is None else f"{failure}: {raised!r}") from raised
         return report
 
     def read(self, wait: float = 0.0) -> NDArray[np.void]:

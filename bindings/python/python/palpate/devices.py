@@ -1,4 +1,4 @@
-"""Devices for `palpate.Loop`: simulated devices and Haply devices.
+"""Devices for `palpate.Loop`: simulated devices, Haply devices, and user-defined devices.
 
     import palpate
 
@@ -6,6 +6,7 @@
     device = palpate.devices.Simulated("experiments/wall.toml")  # device and hand of a scene
     device = palpate.devices.TwoDiy("/dev/ttyACM0")
     device = palpate.devices.Inverse3()
+    device = palpate.devices.Process("python my_device.py")  # a program that moves a device
 
 A world needs one of these for each of its devices:
 
@@ -21,8 +22,9 @@ from __future__ import annotations
 
 import math
 import os
+import shlex
 import sys
-from typing import TYPE_CHECKING, Any, Sequence
+from typing import Any, NamedTuple, Sequence
 
 from numpy.typing import ArrayLike
 
@@ -31,35 +33,108 @@ from ._arrays import numbers, row
 from ._scene import Scene
 from ._world import World
 
-if TYPE_CHECKING:
-    from typing_extensions import Self
+__all__ = ["Capabilities", "Device", "Inverse3", "Plugin", "Pointer", "PointerInWorld", "Process", "Simulated", "TwoDiy", "Udp"]
 
-__all__ = ["Device", "Inverse3", "Pointer", "PointerInWorld", "Simulated", "TwoDiy"]
+
+class Capabilities(NamedTuple):
+    """Capabilities of a user-defined device. `None`: unknown, no limit."""
+
+    name: str = "own device"
+    """Name of the device, for reports and recordings."""
+    axes: int = 1
+    """Number of axes with a position and a force, 1 to 3."""
+    torque_axes: int = 0
+    """Number of axes with a torque, 0 to 3; 0 without an orientation."""
+    orientation: bool = False
+    """Whether `read` also returns an orientation."""
+    largest_force: float | None = None
+    """Largest force in every pose [N]; a larger one is shortened."""
+    largest_torque: float | None = None
+    """Largest torque in every pose [N m]; a larger one is shortened."""
+    effective_mass: float | None = None
+    """Effective mass at the end-point [kg]."""
+    encoder_quantum: float | None = None
+    """Quantum of the position [m]."""
 
 
 class Device:
-    """Device of a `palpate.Loop`: base class of the devices in this module.
+    """Device of a `palpate.Loop`. A subclass with `capabilities`, `read` and `write` is a user-defined driver.
 
-    A driver in Python cannot be a subclass: the loop's thread runs no Python. Call `Renderer.step` or `World.step` from your
-    own loop, or implement the trait `Device` of palpate-device in Rust.
+        class Knob(palpate.devices.Device):
+            def capabilities(self):
+                return palpate.devices.Capabilities("knob", axes=1, largest_force=2.0)
+
+            def read(self):
+                return board.position()
+
+            def write(self, force):
+                board.command(force)
+
+    The thread of the loop calls `read` and `write` in each tick, so a tick waits for the lock of the interpreter: keep other
+    Python threads idle. Safety, supervision and recording are as for other devices. An exception ends the loop with zero
+    force, and `Loop.stop` raises it as the cause of a `LoopError`. The last call of `write` has a force of 0.
+
+    **If this process is killed or hangs, no watchdog process can reach the device**: it must remove its force by itself after
+    a time without a command. A driver in a program of its own (`Process`) has a watchdog process.
     """
 
-    def __new__(cls, *_: Any, **__: Any) -> Self:
-        if Device in cls.__bases__ and cls.__module__ != __name__:
-            raise TypeError(
-                f"{cls.__name__} cannot be a device of a palpate.Loop: the loop's thread runs no Python and accepts "
-                "only Pointer, PointerInWorld, Simulated, TwoDiy and Inverse3. For another device, call step() of a "
-                "palpate.Renderer or palpate.World from your own loop (docs/python.md), or implement the trait Device "
-                "of palpate-device in Rust"
-            )
-        return super().__new__(cls)
+    origin: Sequence[float] | None = None
+    """Device position at which the contact's coordinate is 0 [m], or that of the world's device; `None`: 0."""
+    normal: Sequence[float] | None = None
+    """Direction in which the contact's coordinate increases; `None`: the first axis. Not for a world."""
+    world_axes: Sequence[str] | None = None
+    """Axes of the world for those of the device, such as `["x", "-z"]`; `None`: x, y, z. For a world only."""
+    _raised: BaseException | None = None
+
+    def capabilities(self) -> Capabilities:
+        """Returns what the device can do; called once, by the constructor of the loop."""
+        raise NotImplementedError(f"{type(self).__name__} has no method capabilities")
+
+    def read(self) -> Any:
+        """Returns the position [m], now: a number for one axis, else one for each; `None`: there is no new sample.
+
+        With an orientation: a tuple of the position and the unit quaternion w, x, y, z.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no method read")
+
+    def write(self, force: Any, torque: Any = None) -> None:
+        """Commands the force [N], until the next call: a number for one axis, else a tuple.
+
+        Args:
+            force: Force on the device, a number for one axis, else one for each [N].
+            torque: A tuple of torques [N m], only for a device with `torque_axes`.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no method write")
+
+    def zero(self) -> None:
+        """Commands zero force from another thread, while the loop's thread hangs in `read` or `write`.
+
+        A subclass may define it, if its hardware can be called from two threads.
+        """
 
     def _given(self) -> dict[str, Any]:
-        raise TypeError("Device is abstract: use Pointer, PointerInWorld, Simulated, TwoDiy or Inverse3")
+        kind = type(self)
+        lacks = [name for name in ("capabilities", "read", "write") if getattr(kind, name) is getattr(Device, name)]
+        if lacks:
+            raise TypeError(f"{kind.__name__} has no method {', '.join(lacks)}; a user-defined device defines it")
+        can = self.capabilities()
+        if not isinstance(can, Capabilities):
+            raise TypeError(f"capabilities() returned {can!r}, but must return palpate.devices.Capabilities")
+        self._raised = None
+        return {"kind": "own", "driver": self, "has_zero": kind.zero is not Device.zero, **can._asdict(), **_placed(self)}
 
     def _in_scene(self) -> dict[str, Any] | None:
         """Returns the device as a table of a scene, without its hand and along x; None if its mass is unknown."""
         return None
+
+
+def _placed(device: Device) -> dict[str, Any]:
+    """Returns the position of a contact or a world in the device."""
+    return {
+        "origin": None if device.origin is None else row("origin", device.origin),
+        "normal": None if device.normal is None else row("normal", device.normal),
+        "world_axes": None if device.world_axes is None else list(device.world_axes),
+    }
 
 
 class Pointer(Device):
@@ -323,6 +398,108 @@ class Inverse3(Device):
 
     def _given(self) -> dict[str, Any]:
         return {"kind": "inverse3", **self._values}
+
+
+class Process(Device):
+    """Device that another program moves: a command that this class starts, in any language.
+
+    The program reads lines with wrenches and answers with lines of samples (`docs/your-device.md`). A watchdog process
+    commands zero force if this process is killed or hangs.
+
+    Args:
+        command: Command with its arguments, such as `"python my_device.py"`, or a sequence of its words.
+        origin: Device position at which the contact's coordinate is 0 [m], or that of the world's device; `None`: 0.
+        normal: Direction in which the contact's coordinate increases; `None`: the first axis. Not for a world.
+        world_axes: Axes of the world for those of the device, such as `["x", "-z"]`; `None`: x, y, z. For a world only.
+        watchdog: Whether to start a watchdog process.
+    """
+
+    def __init__(
+        self,
+        command: str | Sequence[str],
+        *,
+        origin: Sequence[float] | None = None,
+        normal: Sequence[float] | None = None,
+        world_axes: Sequence[str] | None = None,
+        watchdog: bool = True,
+    ) -> None:
+        self._command = shlex.split(command) if isinstance(command, str) else [str(word) for word in command]
+        if not self._command:
+            raise ValueError("command is empty, but must name a program")
+        self.origin, self.normal, self.world_axes = origin, normal, world_axes
+        self._watchdog = _watchdog_command() if watchdog else None
+
+    def _given(self) -> dict[str, Any]:
+        own = {"command": self._command, "address": None, "allow_remote": False, "watchdog": self._watchdog}
+        return {"kind": "external", **own, **_placed(self)}
+
+
+class Plugin(Device):
+    """Device of a shared library with the functions of `bindings/c/include/palpate_device.h`.
+
+    No watchdog process can reach it: if this process is killed, only the device itself can remove its force.
+
+    Args:
+        library: File of the library.
+        argument: Text that the library interprets.
+        origin: Device position at which the contact's coordinate is 0 [m], or that of the world's device; `None`: 0.
+        normal: Direction in which the contact's coordinate increases; `None`: the first axis. Not for a world.
+        world_axes: Axes of the world for those of the device, such as `["x", "-z"]`; `None`: x, y, z. For a world only.
+    """
+
+    def __init__(
+        self,
+        library: str | os.PathLike[str],
+        argument: str = "",
+        *,
+        origin: Sequence[float] | None = None,
+        normal: Sequence[float] | None = None,
+        world_axes: Sequence[str] | None = None,
+    ) -> None:
+        self._library, self._argument = library, argument
+        self.origin, self.normal, self.world_axes = origin, normal, world_axes
+
+    def _given(self) -> dict[str, Any]:
+        return {"kind": "plugin", "library": self._library, "argument": self._argument, **_placed(self)}
+
+
+class Udp(Device):
+    """Device that another program moves, which answers packets at an address.
+
+    A packet is a line of the protocol of `Process`. A watchdog process commands zero force if this process is killed or
+    hangs; the device itself must remove its force if the packets stop.
+
+    Args:
+        address: Address of the device.
+        port: Its port.
+        allow_remote: Permit an address on another machine; packets are neither encrypted nor authenticated.
+        origin: Device position at which the contact's coordinate is 0 [m], or that of the world's device; `None`: 0.
+        normal: Direction in which the contact's coordinate increases; `None`: the first axis. Not for a world.
+        world_axes: Axes of the world for those of the device, such as `["x", "-z"]`; `None`: x, y, z. For a world only.
+        watchdog: Whether to start a watchdog process.
+    """
+
+    def __init__(
+        self,
+        address: str,
+        port: int,
+        *,
+        allow_remote: bool = False,
+        origin: Sequence[float] | None = None,
+        normal: Sequence[float] | None = None,
+        world_axes: Sequence[str] | None = None,
+        watchdog: bool = True,
+    ) -> None:
+        if not 1 <= port <= 65535:
+            raise ValueError(f"port is {port}, but must be 1 to 65535")
+        self._address = (address, port)
+        self._allow_remote = allow_remote
+        self.origin, self.normal, self.world_axes = origin, normal, world_axes
+        self._watchdog = _watchdog_command() if watchdog and sys.platform != "win32" else None
+
+    def _given(self) -> dict[str, Any]:
+        own = {"command": None, "address": self._address, "allow_remote": self._allow_remote, "watchdog": self._watchdog}
+        return {"kind": "external", **own, **_placed(self)}
 
 
 def _along(axis: str | Sequence[float], vector: Sequence[float]) -> float:

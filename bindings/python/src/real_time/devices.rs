@@ -1,20 +1,22 @@
 //! Opens the devices of a loop from the descriptions of the Python files.
 
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use palpate_core::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device};
-use palpate_haply::inverse3::{Inverse3, Inverse3Options, Pace, SERVICE};
-use palpate_haply::prepared::{Axis, FIRST_AXIS};
+use palpate_drivers::inverse3::{Inverse3, Inverse3Options, Pace, SERVICE};
+use palpate_drivers::prepared::{Axis, FIRST_AXIS};
 use palpate_study::sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::ended::Closed;
+use super::external::{ExternalGiven, PluginGiven, external, plugin};
 use super::held::{Held, Telling};
+use super::own_device::OwnDevice;
 use crate::names::{refused, wrong_on_bench};
 use crate::scene::PyScene;
 
@@ -26,8 +28,8 @@ pub struct Opened {
     pub axis: AlongAxis<f64, 3>,
     /// Force that the device holds.
     pub held: Held,
-    /// Error of disabling the output at the end, if it failed.
-    pub closed: Arc<OnceLock<String>>,
+    /// Message at the end.
+    pub closed: Closed,
 }
 
 /// Target position of a simulated hand, which Python can set at any time.
@@ -130,7 +132,7 @@ pub fn open(
     silence: Duration,
 ) -> PyResult<Opened> {
     let kind: String = given.as_any().get_item("kind")?.extract()?;
-    let closed = Arc::default();
+    let closed = Closed::default();
     let (device, axis): (Box<dyn Device>, _) = match kind.as_str() {
         "pointer" => {
             let given: Pointer = given.extract()?;
@@ -159,6 +161,25 @@ pub fn open(
             // The current cursor position becomes coordinate 0 of the contact.
             let usual = (device.opened_at(), FIRST_AXIS.1);
             let axis = placed.axis(device.capabilities(), usual)?;
+            (Box::new(device), axis)
+        }
+        "external" => {
+            let (own, placed): (ExternalGiven, Placed) = (given.extract()?, given.extract()?);
+            let opening = || external(&own, clock, period, silence, &closed);
+            let (device, _) = py.detach(opening)?;
+            let axis = placed.axis(device.capabilities(), FIRST_AXIS)?;
+            (device, axis)
+        }
+        "plugin" => {
+            let (own, placed): (PluginGiven, Placed) = (given.extract()?, given.extract()?);
+            let (device, _) = py.detach(|| plugin(&own, clock, &closed))?;
+            let axis = placed.axis(device.capabilities(), FIRST_AXIS)?;
+            (device, axis)
+        }
+        "own" => {
+            let placed: Placed = given.extract()?;
+            let device = OwnDevice::new(given.as_any(), clock)?;
+            let axis = placed.axis(device.capabilities(), FIRST_AXIS)?;
             (Box::new(device), axis)
         }
         "simulated-in-world" | "pointer-in-world" => {
@@ -215,7 +236,7 @@ impl Placed {
                 "world_axes is for a World; for a Renderer, give normal",
             ));
         }
-        palpate_haply::prepared::axis(
+        palpate_drivers::prepared::axis(
             self.origin.as_deref(),
             self.normal.as_deref(),
             device,
@@ -223,8 +244,8 @@ impl Placed {
         )
         .map_err(|error| {
             let what = match error.what() {
-                palpate_haply::prepared::Placed::Origin => "origin",
-                palpate_haply::prepared::Placed::Normal => "normal",
+                palpate_drivers::prepared::Placed::Origin => "origin",
+                palpate_drivers::prepared::Placed::Normal => "normal",
             };
             refused(format!("{what}: {error}"))
         })
@@ -245,7 +266,7 @@ pub fn two_diy(
     _: MonotonicClock,
     _: Duration,
     _: Duration,
-    _: &Arc<OnceLock<String>>,
+    _: &Closed,
 ) -> PyResult<(Box<dyn Device>, Axis, Option<String>)> {
     Err(refused("the driver of the 2DIY needs Linux or macOS"))
 }

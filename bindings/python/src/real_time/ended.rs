@@ -6,8 +6,17 @@ use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::{Account, Durations, Ending, LoopEnd, Recorder, Renders};
 
-/// Error of disabling a device's output at its end, if it failed.
-pub type Closed = Arc<OnceLock<String>>;
+/// Message of a device at its end.
+#[derive(Clone, Debug)]
+pub enum AtTheEnd {
+    /// Its output could not be disabled, for this reason.
+    NotDisabled(String),
+    /// A message.
+    Said(String),
+}
+
+/// Message of a device at its end, if it has one.
+pub type Closed = Arc<OnceLock<AtTheEnd>>;
 
 /// Results of a loop.
 #[derive(Clone)]
@@ -125,9 +134,12 @@ impl Ended {
                     Some(name) => format!("the device {name}"),
                     None => "the device".to_owned(),
                 };
-                self.fails(format!(
-                    "the output of {which} could not be disabled: {why}; switch its motors off"
-                ));
+                self.fails(match why {
+                    AtTheEnd::NotDisabled(why) => format!(
+                        "the output of {which} could not be disabled: {why}; switch its motors off"
+                    ),
+                    AtTheEnd::Said(why) => why.clone(),
+                });
             }
         }
         if let Some(recorder) = recorder {

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use palpate_device::{Capabilities, Device, DeviceError, Line, Pose, Vector, Wrench, ZeroWriter};
+use palpate_device::{
+    Capabilities, Connection, Device, DeviceError, Line, Pose, Vector, Wrench, ZeroWriter,
+};
 
 /// Reported held force of a device, readable by any thread.
 #[derive(Clone, Debug, Default)]
@@ -73,6 +75,10 @@ impl Device for Telling {
 
     fn was_cut(&mut self) -> bool {
         self.device.was_cut()
+    }
+
+    fn connection(&self) -> Option<Connection> {
+        self.device.connection()
     }
 }
 

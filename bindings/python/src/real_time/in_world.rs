@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, Vector};
-use palpate_haply::inverse3::Inverse3;
-use palpate_haply::prepared::{WorldPlaceError, world_frame};
+use palpate_drivers::inverse3::Inverse3;
+use palpate_drivers::prepared::{WorldPlaceError, world_frame};
 use palpate_rt::{OnDevice, RenderedWorld, WorldAxis, WorldFrame};
 use palpate_scene::world::{WorldDevice, WorldScene};
 use palpate_study::device_loop::NotRendered;
@@ -16,7 +16,9 @@ use pyo3::types::PyDict;
 
 use super::devices::{Inverse3Given, TwoDiyGiven, two_diy};
 use super::ended::Closed;
+use super::external::{ExternalGiven, PluginGiven, external, plugin};
 use super::held::{Held, Telling};
+use super::own_device::OwnDevice;
 use crate::names::{refused, wrong_on_bench};
 use crate::world::PyWorld;
 
@@ -28,7 +30,7 @@ pub struct OpenedInWorld {
     pub frame: WorldFrame,
     /// Force that the device holds.
     pub held: Held,
-    /// Error of disabling the output at the end, if it failed.
+    /// Message at the end.
     pub closed: Closed,
     /// Unique identity of a physical device on this machine.
     pub identity: Option<String>,
@@ -155,16 +157,42 @@ pub fn open(
             let device = py.detach(|| Inverse3::open(&options, clock));
             let device = device.map_err(|error| PyOSError::new_err(error.to_string()))?;
             let which =
-                palpate_haply::prepared::inverse3::identity(&options.service, device.device_id());
+                palpate_drivers::prepared::inverse3::identity(&options.service, device.device_id());
             identity = Some(which);
             let usual = device.opened_at();
             let frame = standing.frame(device.capabilities(), Some(usual), own.position)?;
             (Box::new(device), frame)
         }
+        "external" => {
+            let (device_given, standing): (ExternalGiven, Standing) =
+                (given.extract()?, given.extract()?);
+            standing.check()?;
+            let opening = || external(&device_given, clock, period, silence, &closed);
+            let (device, which) = py.detach(opening)?;
+            identity = which;
+            let frame = standing.frame(device.capabilities(), None, own.position)?;
+            (device, frame)
+        }
+        "plugin" => {
+            let (device_given, standing): (PluginGiven, Standing) =
+                (given.extract()?, given.extract()?);
+            standing.check()?;
+            let (device, which) = py.detach(|| plugin(&device_given, clock, &closed))?;
+            identity = which;
+            let frame = standing.frame(device.capabilities(), None, own.position)?;
+            (device, frame)
+        }
+        "own" => {
+            let standing: Standing = given.extract()?;
+            standing.check()?;
+            let device = OwnDevice::new(given.as_any(), clock)?;
+            let frame = standing.frame(device.capabilities(), None, own.position)?;
+            (Box::new(device), frame)
+        }
         _ => {
             return Err(refused(
                 "device moves along one axis, or is of a scene of one contact; a world runs on \
-                 palpate.devices.PointerInWorld, Simulated of a World, TwoDiy and Inverse3",
+                 palpate.devices.PointerInWorld, Simulated of a World, TwoDiy, Inverse3 and devices of your own",
             ));
         }
     };

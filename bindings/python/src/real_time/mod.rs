@@ -1,13 +1,15 @@
-//! `Loop`: the loop of `palpate run` beside Python. No Python code runs in a tick.
+//! `Loop`: the loop of `palpate run` beside Python. Only a device in Python runs Python code in a tick.
 
 mod control;
 mod devices;
 mod ended;
+mod external;
 mod heard;
 mod held;
 mod in_world;
 mod low_rate_simulator;
 mod options;
+mod own_device;
 mod prepared;
 #[cfg(unix)]
 mod two_diy;

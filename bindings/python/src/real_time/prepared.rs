@@ -50,7 +50,7 @@ pub struct Prepared {
 pub struct Beside {
     /// Force that the device holds.
     pub held: Held,
-    /// Error of disabling the output at the end, if it failed.
+    /// Message at the end.
     pub closed: Closed,
 }
 

@@ -1,20 +1,21 @@
 //! The Haply 2DIY of a loop, with its watchdog process.
 
 use std::process::Command;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::Duration;
 
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
-use palpate_haply::prepared::Axis;
-use palpate_haply::prepared::two_diy::{
-    DisableOutput, Guard, OpenError, PortError, Setup, identity, usual_axis,
+use palpate_drivers::prepared::two_diy::{
+    DisableOutput, OpenError, PortError, Setup, identity, usual_axis,
 };
-use palpate_haply::two_diy::{Board, Calibration, Generation};
+use palpate_drivers::prepared::{Axis, Guard};
+use palpate_drivers::two_diy::{Board, Calibration, Generation};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
 use super::devices::{StartPose, TwoDiyGiven};
+use super::ended::{AtTheEnd, Closed};
 use crate::names::refused;
 
 /// Opens a 2DIY with the given watchdog process and returns it with its default axis and its identity.
@@ -23,7 +24,7 @@ pub fn two_diy(
     clock: MonotonicClock,
     period: Duration,
     silence: Duration,
-    closed: &Arc<OnceLock<String>>,
+    closed: &Closed,
 ) -> PyResult<(Box<dyn Device>, Axis, Option<String>)> {
     let generation = match given.generation {
         1 => Generation::One,
@@ -58,23 +59,8 @@ pub fn two_diy(
             }
         },
     };
-    let guard = match given.watchdog.as_deref() {
-        None => None,
-        Some([program, arguments @ ..]) => {
-            let mut command = Command::new(program);
-            command.args(arguments);
-            Some(Guard {
-                command,
-                limit: silence,
-                account: Arc::default(),
-            })
-        }
-        Some([]) => {
-            return Err(refused(
-                "sys.executable is not set, so the watchdog cannot start; watchdog=False disables it",
-            ));
-        }
-    };
+    let guard = given.watchdog.as_deref();
+    let guard = guard.map(|words| guard_of(words, silence)).transpose()?;
     let mut setup = Setup {
         port: given.port.clone(),
         generation,
@@ -87,9 +73,25 @@ pub fn two_diy(
     let device = setup.open(period, clock, guard).map_err(not_opened)?;
     let closed = Arc::clone(closed);
     let device = DisableOutput::new(device, move |not| {
-        let _ = closed.set(not.error.to_string());
+        let _ = closed.set(AtTheEnd::NotDisabled(not.error.to_string()));
     });
     Ok((Box::new(device), usual_axis(generation), identity))
+}
+
+/// Returns a watchdog process of this command for at most `silence` between commands.
+pub fn guard_of(words: &[String], silence: Duration) -> PyResult<Guard> {
+    let [program, arguments @ ..] = words else {
+        return Err(refused(
+            "sys.executable is not set, so the watchdog cannot start; watchdog=False disables it",
+        ));
+    };
+    let mut command = Command::new(program);
+    command.args(arguments);
+    Ok(Guard {
+        command,
+        limit: silence,
+        account: Arc::default(),
+    })
 }
 
 fn not_opened(error: OpenError) -> PyErr {

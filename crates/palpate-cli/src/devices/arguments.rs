@@ -2,11 +2,13 @@
 
 use std::ffi::OsStr;
 use std::io::IsTerminal;
+use std::net::ToSocketAddrs;
 use std::path::PathBuf;
 
 use clap::builder::{EnumValueParser, PossibleValue, TypedValueParser};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Args, Command, Error, Parser, ValueEnum, ValueHint};
+use palpate_drivers::external::{Place, words};
 
 use crate::arguments::{PartFlags, TraceFlags};
 use crate::failure::Failure;
@@ -17,7 +19,8 @@ use crate::values::{BoardName, FrameVector, StartPose, WorldAxes, place, start_p
 #[command(next_help_heading = "Device")]
 pub struct DeviceArguments {
     /// Device; for each device of a world with several, --device "NAME=DEVICE FLAGS", with its name in the scene and
-    /// its flags in the same quotes
+    /// its flags in the same quotes. A device of your own: process:"COMMAND", udp:ADDRESS:PORT
+    /// or plugin:LIBRARY[,ARGUMENT]
     #[arg(long, value_name = "NAME", value_parser = ChoiceParser, default_value = "simulated")]
     pub device: Vec<Choice>,
     /// Motion of the device `replay`: a recording (.mcap), or CSV with the columns t_s,position_m
@@ -51,9 +54,12 @@ pub struct DeviceArguments {
     #[arg(long, requires = "reconnect")]
     pub reconnect_in_start_pose: bool,
     /// Watchdog process that disables the output if this program is killed, stopped or hangs, for a device that holds
-    /// its last force (haply-2diy) [default: on]
+    /// its last force (haply-2diy, process, udp) [default: on]
     #[arg(long, value_name = "on|off", value_enum)]
     pub watchdog: Option<OnOff>,
+    /// Permit a device `udp` on another machine; its packets are neither encrypted nor authenticated
+    #[arg(long)]
+    pub allow_remote: bool,
     /// Flags of the Inverse3.
     #[command(flatten)]
     pub inverse3: Inverse3Arguments,
@@ -86,6 +92,15 @@ pub enum DeviceName {
     Haply2diy,
     /// Haply Inverse3 behind its service
     Inverse3,
+    /// A device of your own: a program that this command starts
+    #[value(name = "process:COMMAND")]
+    Process,
+    /// A device of your own: a program that answers packets
+    #[value(name = "udp:ADDRESS:PORT")]
+    Udp,
+    /// A device of your own: a shared library
+    #[value(name = "plugin:LIBRARY[,ARGUMENT]")]
+    Plugin,
 }
 
 /// Switch of an option.
@@ -98,9 +113,9 @@ pub enum OnOff {
 }
 
 impl DeviceArguments {
-    /// Whether a device that holds its last force gets a watchdog process.
+    /// Whether a device that holds its last force gets a watchdog process, which cannot reach the device of a library.
     pub fn is_guarded(&self) -> bool {
-        self.watchdog != Some(OnOff::Off)
+        self.watchdog != Some(OnOff::Off) && self.kind() != DeviceName::Plugin
     }
 
     /// Returns the kind of the first named device.
@@ -110,26 +125,36 @@ impl DeviceArguments {
             .map_or(DeviceName::Simulated, |choice| match choice {
                 Choice::Of { arguments, .. } => arguments.kind(),
                 Choice::Kind(kind) => *kind,
+                Choice::Own(own) => own.kind(),
             })
+    }
+
+    /// Returns the location of a user-defined device.
+    pub fn own(&self) -> Option<&OwnDevice> {
+        match &self.device[..] {
+            [Choice::Own(own)] => Some(own),
+            _ => None,
+        }
     }
 
     /// Whether each device that holds its last force gets a watchdog process.
     pub fn are_guarded(&self) -> bool {
         self.device.iter().all(|choice| match choice {
-            Choice::Kind(_) => self.is_guarded(),
+            Choice::Kind(_) | Choice::Own(_) => self.is_guarded(),
             Choice::Of { arguments, .. } => arguments.is_guarded(),
         })
     }
 
     /// Rejects flags of another device, and several devices.
     pub fn check(&self) -> Result<(), Failure> {
-        let [Choice::Kind(device)] = self.device[..] else {
+        let [Choice::Kind(_) | Choice::Own(_)] = self.device[..] else {
             return Err(Failure::Arguments(
                 "--device: this command takes one device, by its kind; several, as NAME=DEVICE, are for `palpate run` \
                  and `palpate live` of a world with several"
                     .into(),
             ));
         };
+        let device = self.kind();
         self.inverse3.check(device)?;
         if self.motion.is_some() && device != DeviceName::Replay {
             return Err(Failure::Arguments("--motion is for --device replay".into()));
@@ -149,13 +174,24 @@ impl DeviceArguments {
             ("--generation", self.generation.is_some()),
             ("--board", self.board.is_some()),
             ("--start-pose", self.start_pose.is_some()),
-            ("--watchdog", self.watchdog.is_some()),
             ("--reconnect-in-start-pose", self.reconnect_in_start_pose),
         ];
-        let goes = matches!(device, DeviceName::Haply2diy | DeviceName::Inverse3);
+        let is_own = matches!(device, DeviceName::Process | DeviceName::Udp);
+        let goes = is_own || matches!(device, DeviceName::Haply2diy | DeviceName::Inverse3);
         if self.reconnect && !goes {
             return Err(Failure::Arguments(
-                "--reconnect is for devices that can be lost: haply-2diy and inverse3".into(),
+                "--reconnect is for devices that can be lost: haply-2diy, inverse3, process and udp".into(),
+            ));
+        }
+        if self.watchdog.is_some() && !is_own && device != DeviceName::Haply2diy {
+            return Err(Failure::Arguments(
+                "--watchdog is for devices that hold their last force: haply-2diy, process and udp"
+                    .into(),
+            ));
+        }
+        if self.allow_remote && device != DeviceName::Udp {
+            return Err(Failure::Arguments(
+                "--allow-remote is for --device udp".into(),
             ));
         }
         let is_promised = self.reconnect_in_start_pose || std::io::stdin().is_terminal();
@@ -215,6 +251,8 @@ impl Inverse3Arguments {
 pub enum Choice {
     /// A kind of device.
     Kind(DeviceName),
+    /// A user-defined device.
+    Own(OwnDevice),
     /// The device of one tool of a world.
     Of {
         /// Name of the device in the scene.
@@ -222,6 +260,70 @@ pub enum Choice {
         /// The device, with its flags.
         arguments: Box<DeviceArguments>,
     },
+}
+
+/// Location of a user-defined device.
+#[derive(Clone, Debug)]
+pub enum OwnDevice {
+    /// Another program.
+    Program(Place),
+    /// A shared library.
+    Plugin {
+        /// Its file.
+        library: PathBuf,
+        /// Text for the library.
+        argument: String,
+    },
+}
+
+impl OwnDevice {
+    fn kind(&self) -> DeviceName {
+        match self {
+            #[cfg(unix)]
+            Self::Program(Place::Process(_)) => DeviceName::Process,
+            Self::Program(Place::Udp(_)) => DeviceName::Udp,
+            Self::Plugin { .. } => DeviceName::Plugin,
+        }
+    }
+
+    /// Parses the device that `text` names; `None` if it is another kind.
+    ///
+    /// # Errors
+    /// The command or the address is wrong.
+    fn parse(text: &str) -> Option<Result<Self, String>> {
+        if let Some(command) = text.strip_prefix("process:") {
+            #[cfg(unix)]
+            return Some(match words(command) {
+                Ok(words) => Ok(Self::Program(Place::Process(words))),
+                Err(error) => Err(format!(
+                    "{error}; needed: process:\"COMMAND\", such as process:\"python my_device.py\""
+                )),
+            });
+            #[cfg(not(unix))]
+            return Some(Err(format!(
+                "{command}: a device `process` needs Linux or macOS; use udp:ADDRESS:PORT"
+            )));
+        }
+        if let Some(library) = text.strip_prefix("plugin:") {
+            let (library, argument) = library.split_once(',').unwrap_or((library, ""));
+            return Some(if library.is_empty() {
+                Err("needed: plugin:LIBRARY, such as plugin:./libmine.so".into())
+            } else {
+                Ok(Self::Plugin {
+                    library: library.into(),
+                    argument: argument.to_owned(),
+                })
+            });
+        }
+        let address = text.strip_prefix("udp:")?;
+        let found = address.to_socket_addrs().ok();
+        let found = found.and_then(|mut found| found.next());
+        Some(
+            found
+                .map(|address| Self::Program(Place::Udp(address)))
+                .ok_or_else(|| "needed: udp:ADDRESS:PORT, such as udp:127.0.0.1:5005".to_owned()),
+        )
+    }
 }
 
 /// Parser of a [`Choice`]: `KIND`, or `NAME=KIND FLAGS` with the flags of a device.
@@ -246,11 +348,6 @@ impl TypedValueParser for ChoiceParser {
         arg: Option<&Arg>,
         value: &OsStr,
     ) -> Result<Choice, Error> {
-        let named = value.to_str().and_then(|text| text.split_once('='));
-        let Some((name, words)) = named else {
-            let kinds = EnumValueParser::<DeviceName>::new();
-            return kinds.parse_ref(command, arg, value).map(Choice::Kind);
-        };
         let refused = |why: &str| {
             let mut error = Error::new(ErrorKind::ValueValidation).with_cmd(command);
             let text = value.to_string_lossy().into_owned();
@@ -263,18 +360,30 @@ impl TypedValueParser for ChoiceParser {
             );
             error
         };
-        if name.trim().is_empty() || words.trim().is_empty() {
+        if let Some(own) = value.to_str().and_then(OwnDevice::parse) {
+            return own.map(Choice::Own).map_err(|why| refused(&why));
+        }
+        let named = value.to_str().and_then(|text| text.split_once('='));
+        let Some((name, flags)) = named else {
+            let kinds = EnumValueParser::<DeviceName>::new();
+            return kinds.parse_ref(command, arg, value).map(Choice::Kind);
+        };
+        if name.trim().is_empty() || flags.trim().is_empty() {
             return Err(refused(
                 "NAME=DEVICE FLAGS is needed, such as \"left=inverse3 --device-id 049D\"",
             ));
         }
-        let words = ["--device"].into_iter().chain(words.split_whitespace());
-        let behind = Behind::try_parse_from(words).map_err(|error| {
+        let flags = words(flags).map_err(|why| refused(&why))?;
+        let flags = std::iter::once("--device".to_owned()).chain(flags);
+        let behind = Behind::try_parse_from(flags).map_err(|error| {
             let text = error.to_string();
             let first = text.lines().next().unwrap_or_default();
             refused(first.strip_prefix("error: ").unwrap_or(first))
         })?;
-        if !matches!(behind.arguments.device[..], [Choice::Kind(_)]) {
+        if !matches!(
+            behind.arguments.device[..],
+            [Choice::Kind(_) | Choice::Own(_)]
+        ) {
             return Err(refused(
                 "a name takes one device, which has no name of its own",
             ));

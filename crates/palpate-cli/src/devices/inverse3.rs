@@ -2,9 +2,11 @@
 
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector};
-use palpate_haply::inverse3::{ConnectError, Inverse3, Inverse3Options, OpenError, Pace, SERVICE};
-use palpate_haply::prepared::inverse3::{Overheard, identity};
-use palpate_haply::prepared::{FIRST_AXIS, Reopen};
+use palpate_drivers::inverse3::{
+    ConnectError, Inverse3, Inverse3Options, OpenError, Pace, SERVICE,
+};
+use palpate_drivers::prepared::inverse3::{Overheard, identity};
+use palpate_drivers::prepared::{FIRST_AXIS, Reopen};
 
 use super::arguments::Inverse3Arguments;
 use super::{DeviceArguments, reconnecting};

@@ -7,6 +7,7 @@ mod drive;
 #[cfg(unix)]
 pub mod guarding;
 pub mod inverse3;
+mod own;
 mod placed;
 pub mod replayed;
 mod several;
@@ -22,7 +23,7 @@ pub use watched::Watched;
 use palpate_core::AlongAxis;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, NullDevice, Vector};
-use palpate_haply::prepared::{Axis, FIRST_AXIS, Reconnecting, Reopen};
+use palpate_drivers::prepared::{Axis, FIRST_AXIS, Reconnecting, Reopen};
 use palpate_rt::WorldFrame;
 use palpate_scene::Scene;
 use palpate_scene::world::WorldScene;
@@ -36,7 +37,7 @@ use crate::reports::Guarding;
 #[cfg(unix)]
 use crate::values::duration;
 #[cfg(unix)]
-use palpate_haply::prepared::two_diy::{identity, usual_axis};
+use palpate_drivers::prepared::two_diy::{identity, usual_axis};
 
 /// An open device with the contact's axis in its frame.
 pub struct Opened {
@@ -89,6 +90,11 @@ pub fn open<C: Clock>(
             }
             (device, (origin, FIRST_AXIS.1))
         }
+        DeviceName::Process | DeviceName::Udp | DeviceName::Plugin => {
+            let period = scene.loop_params.period;
+            let (device, _) = own::open(arguments, period, clock, guarding)?;
+            (device, FIRST_AXIS)
+        }
     };
     warn_if_unguarded(device.as_ref(), arguments);
     let axis = placed::axis(arguments, device.capabilities(), usual)?;
@@ -134,7 +140,8 @@ fn open_as<C: Clock>(
         }
         DeviceName::Null | DeviceName::Replay => {
             return Err(Failure::Arguments(
-                "--device: a world runs on simulated, pointer, haply-2diy and inverse3; null and replay have one axis"
+                "--device: a world runs on simulated, pointer, haply-2diy, inverse3, process, udp and plugin; null and replay \
+                 have one axis"
                     .into(),
             ));
         }
@@ -147,6 +154,11 @@ fn open_as<C: Clock>(
             let (device, origin, at) = inverse3::open(arguments, period, clock)?;
             identity = Some(at);
             (device, Some(origin))
+        }
+        DeviceName::Process | DeviceName::Udp | DeviceName::Plugin => {
+            let (device, at) = own::open(arguments, period, clock, guarding)?;
+            identity = at;
+            (device, None)
         }
     };
     let is_simulated = matches!(
@@ -173,10 +185,13 @@ fn open_as<C: Clock>(
 
 fn warn_if_unguarded(device: &dyn Device, arguments: &DeviceArguments) {
     if device.capabilities().holds_last_force && !arguments.is_guarded() {
-        tell(
-            "warning: --watchdog off: if this program is killed or stopped while a force is on, the \
-             device holds that force",
-        );
+        let why = match arguments.kind() {
+            DeviceName::Plugin => "no watchdog process reaches the device of a plug-in",
+            _ => "--watchdog off",
+        };
+        tell(format_args!(
+            "warning: {why}: if this program is killed or stopped while a force is on, the device holds that force"
+        ));
     }
 }
 

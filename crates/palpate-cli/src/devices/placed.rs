@@ -2,7 +2,7 @@
 
 use palpate_core::AlongAxis;
 use palpate_device::{Capabilities, Vector};
-use palpate_haply::prepared::{Axis, PlaceError, Placed, WorldPlaceError};
+use palpate_drivers::prepared::{Axis, PlaceError, Placed, WorldPlaceError};
 use palpate_rt::WorldFrame;
 
 use super::DeviceArguments;
@@ -16,7 +16,7 @@ pub fn axis(
 ) -> Result<AlongAxis<f64, 3>, Failure> {
     let origin = arguments.origin.as_ref().map(|place| &place.0[..]);
     let normal = arguments.normal.as_ref().map(|place| &place.0[..]);
-    palpate_haply::prepared::axis(origin, normal, device, usual)
+    palpate_drivers::prepared::axis(origin, normal, device, usual)
         .map_err(|error| refused(arguments, &error))
 }
 
@@ -30,7 +30,7 @@ pub fn frame(
 ) -> Result<WorldFrame, Failure> {
     let origin = arguments.origin.as_ref().map(|place| &place.0[..]);
     let axes = arguments.world_axes.as_ref();
-    let frame = palpate_haply::prepared::world_frame(
+    let frame = palpate_drivers::prepared::world_frame(
         origin,
         axes.map(|axes| &axes.0[..]),
         device,

@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::reports::Guarding;
 
 /// Field names of one device's flags. With several named devices they follow the name of their device.
-pub const FLAGS_OF_A_DEVICE: [&str; 13] = [
+pub const FLAGS_OF_A_DEVICE: [&str; 14] = [
     "port",
     "generation",
     "board",
@@ -19,6 +19,7 @@ pub const FLAGS_OF_A_DEVICE: [&str; 13] = [
     "reconnect",
     "reconnect_in_start_pose",
     "watchdog",
+    "allow_remote",
     "service",
     "events",
     "device_id",
@@ -49,7 +50,7 @@ pub fn open_for_world<C: Clock>(
         let hand = hands.get(number).and_then(Option::as_ref);
         let next = open_as((scene, number), of_one, clock, guarding, hand);
         let next = next.map_err(|failure| match &arguments.device[..] {
-            [Choice::Kind(_)] => failure,
+            [Choice::Kind(_) | Choice::Own(_)] => failure,
             _ => failure.of(&format!("--device {name}=")),
         })?;
         let is_the_same =
@@ -94,7 +95,8 @@ fn each<'a>(
             listed(&names)
         ))
     };
-    if let [Choice::Kind(kind)] = arguments.device[..] {
+    if let [Choice::Kind(_) | Choice::Own(_)] = arguments.device[..] {
+        let kind = arguments.kind();
         let is_for_all = matches!(kind, DeviceName::Simulated | DeviceName::Pointer);
         if names.len() > 1 && !is_for_all {
             return Err(refused("one device is given for all".into()));

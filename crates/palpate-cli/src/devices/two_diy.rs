@@ -5,14 +5,14 @@ use std::time::Duration;
 
 use palpate_device::Device;
 use palpate_device::clock::Clock;
-use palpate_haply::prepared::Reopen;
-use palpate_haply::prepared::two_diy::{DisableOutput, Guard, OpenError, PortError, Setup};
-use palpate_haply::two_diy::{Board, Calibration, Generation, TwoDiy};
+use palpate_drivers::prepared::Reopen;
+use palpate_drivers::prepared::two_diy::{DisableOutput, OpenError, PortError, Setup};
+use palpate_drivers::two_diy::{Board, Calibration, Generation, TwoDiy};
 use palpate_rt::watchdog::WatchdogError;
 use rustix::termios::{QueueSelector, tcflush};
 
 use super::DeviceArguments;
-use super::guarding::command;
+use super::guarding::guard;
 use crate::failure::{Failure, tell};
 use crate::reports::Guarding;
 use crate::values::{BoardName, StartPose};
@@ -52,13 +52,7 @@ pub fn open<C: Clock>(
     guarding: Option<&Guarding>,
 ) -> Result<TwoDiy<C>, Failure> {
     let guard = guarding
-        .map(|guarding| {
-            Ok(Guard {
-                command: command()?,
-                limit: guarding.limit,
-                account: guarding.account.clone(),
-            })
-        })
+        .map(guard)
         .transpose()
         .map_err(|error| refused(OpenError::Watchdog(WatchdogError::Spawn(error))))?;
     setup.open(period, clock.clone(), guard).map_err(refused)

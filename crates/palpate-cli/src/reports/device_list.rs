@@ -3,8 +3,8 @@
 use std::fmt;
 use std::time::Duration;
 
-use palpate_haply::inverse3::{self, Found, SERVICE};
-use palpate_haply::two_diy::{Guess, Port, ports};
+use palpate_drivers::inverse3::{self, Found, SERVICE};
+use palpate_drivers::two_diy::{Guess, Port, ports};
 use palpate_study::text::{hanging, wrapped};
 use serde::Serialize;
 

@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use crate::reports::Measured;
 #[cfg(unix)]
-use palpate_haply::prepared::trial::try_out;
-use palpate_haply::two_diy::ports;
+use palpate_drivers::prepared::trial::try_out;
+use palpate_drivers::two_diy::ports;
 use palpate_rt::realtime::{Answer, Finding, machine};
 use palpate_rt::safety::SafetyParams;
 use palpate_study::text::{digits, hanging};

@@ -1,6 +1,7 @@
 //! Reports on a loop, on this machine and on its devices, as text and as JSON (schemas in `docs/schema`).
 
 mod bench;
+mod connection;
 mod device_list;
 mod machine;
 #[cfg(unix)]
@@ -9,6 +10,7 @@ mod run;
 mod watchdog;
 
 pub use bench::{BenchReport, MeasureError, Measured, measure};
+pub use connection::ConnectionReport;
 pub use device_list::DeviceList;
 pub use machine::{MachineReport, RATE, SECONDS};
 #[cfg(unix)]

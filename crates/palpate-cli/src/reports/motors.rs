@@ -1,6 +1,6 @@
 //! Check that each motor of a device turns its own joint.
 
-use palpate_haply::two_diy::Checked;
+use palpate_drivers::two_diy::Checked;
 use serde::Serialize;
 
 /// Name and version of the JSON report on motors.

@@ -16,7 +16,7 @@ use serde::Serialize;
 use palpate_study::recording::{in_a_line, motors_off, refused};
 use palpate_study::text::{counted, digits, hanging, lines, number, plain_table};
 
-use crate::reports::{WatchdogReport, if_as_modelled};
+use crate::reports::{ConnectionReport, WatchdogReport, if_as_modelled};
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate run 1";
@@ -58,6 +58,9 @@ pub struct RunReport {
     time: LoopTime,
     /// Watchdog process of a device that holds its last force.
     watchdog: Option<WatchdogReport>,
+    /// Connections to devices of other programs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    connections: Vec<ConnectionReport>,
     peak_force_n: f64,
     deepest_penetration_m: f64,
     /// Generated energy of the forces that the motors held, if the loop is as modelled (delay, lag, gain). Energy
@@ -268,6 +271,7 @@ impl RunReport {
             motors_off_ticks: end.statistics.motors_off,
             time: end.statistics.time,
             watchdog: None,
+            connections: connections(end, devices, names),
             peak_force_n: account.peak_force,
             deepest_penetration_m: account.deepest,
             leak_held_j: last.held_leak,
@@ -311,6 +315,22 @@ impl RunReport {
     pub fn guarded(self, watchdog: Option<WatchdogReport>) -> Self {
         Self { watchdog, ..self }
     }
+}
+
+/// Returns the reports on the connections of the devices that have one.
+fn connections<D: Device, C: Clock, R: Renders>(
+    end: &LoopEnd<D, C, R>,
+    devices: &[&Capabilities],
+    names: &[&str],
+) -> Vec<ConnectionReport> {
+    let is_one = devices.len() == 1;
+    let driven = end.control.devices().zip(devices).zip(names);
+    driven
+        .filter_map(|((device, can), name)| {
+            let name = if is_one { &can.name } else { *name };
+            Some(ConnectionReport::new(name, &device.connection()?))
+        })
+        .collect()
 }
 
 /// Describes a safety stop that is active at the end.
@@ -375,6 +395,9 @@ impl RunReport {
         }
         if let Some(watchdog) = &self.watchdog {
             writeln!(f, "{watchdog}")?;
+        }
+        for connection in &self.connections {
+            writeln!(f, "{connection}")?;
         }
         writeln!(f, "\n{}", self.timing)?;
         writeln!(

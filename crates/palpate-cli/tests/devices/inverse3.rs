@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::running::{Running, program};
 use crate::common::{Folder, experiment_text, number, parse};
-use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault, holding};
+use palpate_drivers::emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault, holding};
 
 const ID: &str = "049D";
 

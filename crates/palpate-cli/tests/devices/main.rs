@@ -4,6 +4,7 @@
 mod common;
 mod inverse3;
 mod live;
+mod own;
 mod run_several;
 mod run_world;
 mod running;

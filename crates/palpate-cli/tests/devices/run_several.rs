@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::running::Running;
 use crate::common::{Folder, experiment_text, number, parse};
-use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault};
+use palpate_drivers::emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault};
 use palpate_record::recording::{Entry, Recording};
 use palpate_testbed::hand::{Hand as LeadingHand, IntendedPath, Intention, Sinusoid};
 
@@ -363,8 +363,8 @@ fn what_ends_a_loop_takes_the_force_off_both() {
 #[cfg(target_os = "linux")]
 #[test]
 fn the_watchdog_of_each_board_takes_its_torque_off() {
-    use palpate_haply::emulator::two_diy::{Emulator, Hand, PortSettings, Settings};
-    use palpate_haply::two_diy::{Board, Generation};
+    use palpate_drivers::emulator::two_diy::{Emulator, Hand, PortSettings, Settings};
+    use palpate_drivers::two_diy::{Board, Generation};
     let folder = Folder::new();
     folder.write("walls.toml", TWO_WALLS);
     for signal in ["KILL", "STOP"] {

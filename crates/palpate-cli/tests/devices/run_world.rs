@@ -1,7 +1,7 @@
 //! `palpate run` with a world, on each device that takes one.
 
 use crate::common::{Answer, Folder, experiment_text, number, parse};
-use palpate_haply::emulator::inverse3::{Body, Emulator, EmulatorOptions, holding};
+use palpate_drivers::emulator::inverse3::{Body, Emulator, EmulatorOptions, holding};
 use palpate_record::recording::{Entry, Recording};
 
 fn folder() -> Folder {
@@ -230,8 +230,8 @@ fn an_inverse3_presses_a_ball_on_a_table() {
 /// Records a 2DIY whose hand moves it 32 mm away from its base, into a block before a wall, as `block.mcap`.
 #[cfg(unix)]
 fn record_the_block(folder: &Folder) -> Answer {
-    use palpate_haply::emulator::two_diy::{self, Hand, PortSettings, Settings};
-    use palpate_haply::two_diy::{Board, Generation};
+    use palpate_drivers::emulator::two_diy::{self, Hand, PortSettings, Settings};
+    use palpate_drivers::two_diy::{Board, Generation};
     // The hand starts at the tool's position.
     let settings = Settings {
         angles: Some([130.0, 50.0]),

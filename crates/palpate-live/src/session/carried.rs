@@ -3,7 +3,7 @@
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Line, Pose, Wrench, ZeroWriter,
+    Capabilities, Connection, Device, DeviceError, DeviceErrorKind, Line, Pose, Wrench, ZeroWriter,
 };
 
 /// A device in a loop that is returned when dropped.
@@ -62,6 +62,10 @@ impl Device for Carried {
 
     fn was_cut(&mut self) -> bool {
         self.device.as_mut().is_some_and(Device::was_cut)
+    }
+
+    fn connection(&self) -> Option<Connection> {
+        self.device.as_ref()?.connection()
     }
 }
 

@@ -4,6 +4,7 @@
 
 mod change;
 mod faults;
+mod foreign;
 mod letting_go;
 mod lines;
 mod local_world;

@@ -6,7 +6,7 @@ mod emulate;
 use std::time::Duration;
 
 use clap::{Args, Subcommand, ValueEnum};
-use palpate_haply::inverse3::SERVICE;
+use palpate_drivers::inverse3::SERVICE;
 
 use crate::devices::DeviceArguments;
 use crate::failure::Failure;
@@ -102,7 +102,7 @@ fn list(arguments: &DevicesArguments) -> Result<(), Failure> {
 fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     use crate::reports::Guarding;
     use palpate_device::clock::MonotonicClock;
-    use palpate_haply::two_diy::{Unchecked, Verdict};
+    use palpate_drivers::two_diy::{Unchecked, Verdict};
     use palpate_rt::StopFlag;
 
     use crate::reports::MotorsReport;

@@ -7,7 +7,7 @@ use std::time::Duration;
 use palpate_core::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
-use palpate_haply::two_diy::{Calibration, Generation, Options, TwoDiy};
+use palpate_drivers::two_diy::{Calibration, Generation, Options, TwoDiy};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
 

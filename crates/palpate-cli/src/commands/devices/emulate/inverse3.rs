@@ -1,10 +1,10 @@
 //! `palpate devices emulate inverse3`: Haply's Inverse Service with an emulated device.
 
 use clap::{Args, ValueEnum};
-use palpate_haply::emulator::inverse3::{
+use palpate_drivers::emulator::inverse3::{
     Body, Emulator, EmulatorError, EmulatorOptions, Latency, TimedFault,
 };
-use palpate_haply::inverse3::Form;
+use palpate_drivers::inverse3::Form;
 use palpate_rt::StopFlag;
 use palpate_testbed::hand::{Hand, Intention, Sinusoid};
 

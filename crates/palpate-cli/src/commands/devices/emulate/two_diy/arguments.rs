@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
 #[cfg(unix)]
-use palpate_haply::emulator::two_diy::TimedFault;
+use palpate_drivers::emulator::two_diy::TimedFault;
 
 use crate::commands::devices::emulate::AmplifierFlags;
 use crate::values::{BoardName, number, pair};

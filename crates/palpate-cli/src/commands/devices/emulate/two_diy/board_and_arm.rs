@@ -2,8 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use palpate_haply::emulator::two_diy::{Did, Emulator, Hand, PortSettings, Settings, Usb, Wiring};
-use palpate_haply::two_diy::Generation;
+use palpate_drivers::emulator::two_diy::{
+    Did, Emulator, Hand, PortSettings, Settings, Usb, Wiring,
+};
+use palpate_drivers::two_diy::Generation;
 use palpate_rt::StopFlag;
 
 use super::arguments::{HandArguments, TwoDiyArguments, UsbFlags, WiringName};

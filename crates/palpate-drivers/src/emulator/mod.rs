@@ -1,0 +1,8 @@
+//! Emulators of Haply's devices, which test the drivers of `palpate-drivers` without a device.
+//!
+//! An emulator speaks the device's protocol on a pseudo-terminal or on loopback sockets, and moves a simulated device
+//! in real time. It is a separate crate, so a program for a real device contains no simulator.
+
+pub mod inverse3;
+#[cfg(unix)]
+pub mod two_diy;

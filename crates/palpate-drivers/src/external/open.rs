@@ -1,0 +1,280 @@
+//! Opening of a device of another program.
+
+use std::io;
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use palpate_device::clock::Clock;
+use palpate_device::{Device, DeviceError};
+#[cfg(unix)]
+use palpate_rt::watchdog::{Orders, Watchdog, WatchdogError};
+
+use super::account::{Account, answers_within};
+use super::channel::{Channel, Closed};
+use super::driver::{External, Inbox, Tell};
+use super::protocol::{self, Introduction, LONGEST};
+#[cfg(unix)]
+use crate::prepared::Guard;
+
+/// Time for the first answer: a program may load libraries before.
+const STARTS_WITHIN: Duration = Duration::from_secs(20);
+/// Time for the first sample after it.
+const SAMPLES_WITHIN: Duration = Duration::from_secs(2);
+/// Interval at which the first message to an address is repeated.
+const REPEATS_EVERY: Duration = Duration::from_millis(50);
+/// Number of samples that measure the round trip at opening.
+const TRIALS: usize = 20;
+
+/// Location of the program of a device.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The words of a command that starts it.
+    #[cfg(unix)]
+    Process(Vec<String>),
+    /// An address to which it listens.
+    Udp(SocketAddr),
+}
+
+impl Place {
+    /// Returns a name of the device that is the same for two devices at one place. `None`: each start makes another.
+    #[must_use]
+    pub fn identity(&self) -> Option<String> {
+        match self {
+            #[cfg(unix)]
+            Self::Process(_) => None,
+            Self::Udp(address) => Some(format!("udp:{address}")),
+        }
+    }
+}
+
+/// Reason why a device of another program could not be opened.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OpenError {
+    /// The program cannot be started.
+    #[error("{program} cannot be started: {error}")]
+    Start {
+        /// First word of the command.
+        program: String,
+        /// Reason.
+        error: io::Error,
+    },
+    /// A socket cannot be opened.
+    #[error("the socket for {address} cannot be opened: {error}")]
+    Socket {
+        /// Address of the device.
+        address: SocketAddr,
+        /// Reason.
+        error: io::Error,
+    },
+    /// The program ended.
+    #[error("its program has ended before it answered `hello`: {0}")]
+    Ended(String),
+    /// No answer.
+    #[error("it has not answered `hello` within {} s", .0.as_secs())]
+    Silent(Duration),
+    /// A wrong answer.
+    #[error("{0}")]
+    Introduction(String),
+    /// No sample followed.
+    #[error("it has sent no valid sample within {} s: {} unreadable, {} late; needed: sample N ANSWERED TIME X ...",
+            .0.as_secs(), .1.unreadable, .1.late)]
+    NoSample(Duration, palpate_device::Connection),
+    /// The device failed at once.
+    #[error("{error}{}", .reason.as_ref().map_or_else(String::new, |reason| format!(": {reason}")))]
+    Device {
+        /// Failure.
+        error: DeviceError,
+        /// The device's own words.
+        reason: Option<String>,
+    },
+    /// The watchdog process cannot be started.
+    #[cfg(unix)]
+    #[error("the watchdog process: {0}")]
+    Watchdog(WatchdogError),
+}
+
+impl<C: Clock> External<C> {
+    /// Opens the device at `place` for a loop of `period`, which commands it at least every `silence` while a force is
+    /// on. `tell` receives the reason if its program ends before the loop.
+    ///
+    /// # Errors
+    /// The program does not start or answer, or its answer is wrong.
+    pub fn open(
+        place: &Place,
+        (period, silence): (Duration, Duration),
+        clock: C,
+        tell: impl FnOnce(String) + Send + 'static,
+    ) -> Result<Self, OpenError> {
+        let mut starting = start(place)?;
+        let mut inbox = Inbox::new();
+        let hello = protocol::hello(period, silence);
+        let made = introduce(&starting.channel, &mut inbox, hello.bytes(), &clock);
+        #[cfg(unix)]
+        let made = made.map_err(|error| match error {
+            OpenError::Ended(how) => OpenError::Ended(
+                starting
+                    .program
+                    .take()
+                    .and_then(|program| program.end())
+                    .unwrap_or(how),
+            ),
+            other => other,
+        });
+        let made = made?;
+        let loses = starting.channel.has_packets();
+        let mut device = Self {
+            heard_at: clock.now(),
+            clock,
+            capabilities: made.capabilities,
+            channel: starting.channel,
+            period,
+            account: Account::new(period, made.sends_every, loses),
+            inbox,
+            rest: None,
+            is_gone: false,
+            reason: String::with_capacity(LONGEST),
+            #[cfg(unix)]
+            watchdog: None,
+            #[cfg(unix)]
+            unguarded: None,
+            #[cfg(unix)]
+            program: starting.program,
+            tell: None,
+            has_begun: false,
+        };
+        // Until a watchdog process runs, the loop's own end is the only one that may leave a force.
+        device.capabilities.holds_last_force = true;
+        device.first_samples(answers_within(period, made.sends_every))?;
+        device.tell = Some(Tell(Box::new(tell)));
+        Ok(device)
+    }
+
+    /// Waits for the first samples, which measure the round trip.
+    fn first_samples(&mut self, patience: Duration) -> Result<(), OpenError> {
+        let mut left = TRIALS;
+        let begun = self.clock.now();
+        while left > 0 {
+            let sample = self.sample(patience);
+            let sample = sample.map_err(|error| OpenError::Device {
+                error,
+                reason: self.reason().map(str::to_owned),
+            })?;
+            if sample.is_some() {
+                left -= 1;
+            } else if left == TRIALS && self.clock.now().saturating_sub(begun) > SAMPLES_WITHIN {
+                let found = self.connection().unwrap_or_default();
+                return Err(OpenError::NoSample(SAMPLES_WITHIN, found));
+            } else if left < TRIALS && self.clock.now().saturating_sub(begun) > SAMPLES_WITHIN {
+                break;
+            } else {
+                self.channel.wait(patience);
+            }
+        }
+        Ok(())
+    }
+
+    /// Starts a watchdog process, which commands zero force if this program ends, or if the driver sends nothing for the
+    /// limit while a force is on. If it ends before the device is closed, the device commands only zero force and
+    /// returns [`Refused`](palpate_device::DeviceErrorKind::Refused).
+    ///
+    /// # Errors
+    /// The process does not start. The device is closed.
+    #[cfg(unix)]
+    pub fn guarded_by(mut self, guard: Guard) -> Result<Self, OpenError> {
+        use std::os::fd::AsFd;
+        let orders = Orders {
+            limit: guard.limit,
+            release: protocol::ZERO.to_vec(),
+            probe: protocol::PROBE.to_vec(),
+            answer: protocol::SHORTEST_ANSWER,
+        };
+        let channel = self.channel.as_fd();
+        let watchdog = Watchdog::start(guard.command, channel, &orders, guard.account);
+        self.watchdog = Some(watchdog.map_err(OpenError::Watchdog)?);
+        // The start has taken time.
+        self.heard_at = self.clock.now();
+        Ok(self)
+    }
+
+    /// Returns the median round trip so far.
+    #[must_use]
+    pub fn round_trip(&self) -> Option<Duration> {
+        let [median, ..] = self.account.connection().round_trip?;
+        Some(median)
+    }
+}
+
+/// A channel, and the program at its other end.
+struct Starting {
+    channel: Channel,
+    #[cfg(unix)]
+    program: Option<super::process::Program>,
+}
+
+fn start(place: &Place) -> Result<Starting, OpenError> {
+    match place {
+        #[cfg(unix)]
+        Place::Process(words) => {
+            let started = super::process::Program::start(words);
+            let (program, channel) = started.map_err(|error| OpenError::Start {
+                program: words.first().cloned().unwrap_or_default(),
+                error,
+            })?;
+            Ok(Starting {
+                channel,
+                program: Some(program),
+            })
+        }
+        Place::Udp(address) => {
+            let channel = Channel::to(*address).map_err(|error| OpenError::Socket {
+                address: *address,
+                error,
+            })?;
+            Ok(Starting {
+                channel,
+                #[cfg(unix)]
+                program: None,
+            })
+        }
+    }
+}
+
+/// Sends `hello` until the device introduces itself.
+fn introduce<C: Clock>(
+    channel: &Channel,
+    inbox: &mut Inbox,
+    hello: &[u8],
+    clock: &C,
+) -> Result<Introduction, OpenError> {
+    let begun = clock.now();
+    let mut said: Option<Duration> = None;
+    let mut line = [0; LONGEST];
+    loop {
+        let now = clock.now();
+        if now.saturating_sub(begun) > STARTS_WITHIN {
+            return Err(OpenError::Silent(STARTS_WITHIN));
+        }
+        let is_due = said
+            .is_none_or(|said| channel.has_packets() && now.saturating_sub(said) >= REPEATS_EVERY);
+        if is_due {
+            said = Some(now);
+            // A refused packet is repeated; a stream has room for its first line.
+            let _ = channel.send(hello);
+        }
+        match inbox.next(channel, &mut line) {
+            Ok(None) => channel.wait(REPEATS_EVERY),
+            Ok(Some(length)) => {
+                let heard = length.and_then(|length| line.get(..length));
+                let heard = String::from_utf8_lossy(heard.unwrap_or(b"(a line that is too long)"));
+                let heard = heard.trim();
+                // Packets of an earlier session may still arrive.
+                let is_old = channel.has_packets() && heard.starts_with("sample");
+                if !heard.is_empty() && !is_old {
+                    return Introduction::parse(heard).map_err(OpenError::Introduction);
+                }
+            }
+            Err(Closed) => return Err(OpenError::Ended("its output is closed".to_owned())),
+        }
+    }
+}
