@@ -1,5 +1,6 @@
 //! Contacts: pairs of shapes, contact points, and their law.
 
+pub(crate) mod broad_phase;
 pub(crate) mod convex_pairs;
 pub(crate) mod law;
 pub(crate) mod nearby;

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use crate::contact::broad_phase::{BroadPhase, List, MARGIN, Pairs};
+use crate::contact::convex_pairs::Blocks;
 use crate::contact::pairs::Point;
 use crate::dynamics::moving_body::Part;
-use crate::geometry::hull::MAX_POINTS;
+use crate::geometry::hull::MAX_CORNERS;
 use crate::geometry::rigid::Vector3;
 
 /// A cluster of shell points. If the other solid is far from all of them, none is evaluated.
@@ -48,28 +50,35 @@ impl Patch {
     }
 }
 
-/// Indices of the active points: all points outside patches, and the nearest points in patches up to the capacity.
+/// Maximum number of contact points that a tick evaluates, without those of [large](crate::PointShell::MAX_ALWAYS)
+/// shells. Memory for them is reserved when a world is created. Of more points near enough to touch within an
+/// interval, those of whole pairs without contact are omitted and counted ([`Effort::left_out`](crate::Effort::left_out)).
+pub const MAX_POINTS: usize = 1024;
+
+/// Indices of the active points: those of near pairs, and the nearest points in patches up to the capacity.
 #[derive(Clone, Debug)]
 pub(crate) struct Nearby {
+    pub broad: BroadPhase,
     patches: Arc<[Patch]>,
-    /// Number of points outside patches.
+    /// Points outside patches come first.
+    numbers: List,
+    /// Number of active points outside patches.
     always: usize,
-    /// Points outside patches come first. The length is constant, so a tick does not allocate.
-    numbers: Box<[usize]>,
-    /// Number of valid entries in [`numbers`](Self::numbers).
-    count: usize,
+    /// Points that were active since the last tick. All others are apart, with zero sums.
+    recent: List,
+    is_recent: Box<[bool]>,
+    /// Active pairs of convex solids, and those that the last selection added.
+    blocks: List,
+    fresh: List,
     /// Maximum number of near points beyond the capacity at a time.
     left_out: u32,
 }
 
 /// Maximum number of active points in patches: as many as may lie in a plane, plus some beside it.
-const ROOM: usize = MAX_POINTS + MAX_POINTS / 2;
-/// Maximum number of active points; an interval iterates over pairs of them.
+const ROOM: usize = MAX_CORNERS + MAX_CORNERS / 2;
+/// Maximum number of active points.
 pub(crate) const MAX_NEARBY: usize = MAX_POINTS + ROOM;
 
-/// Safety margin of the distance at which a point stays inactive in an interval, in addition to the approach of the
-/// two parts `[m]`: contacts may accelerate a part.
-const MARGIN: f64 = 2e-4;
 /// Maximum ratio of the change in distance from a solid to the displacement: the spline of a grid overshoots near
 /// edges.
 const STEEPEST: f64 = 1.25;
@@ -79,33 +88,69 @@ const STEEPEST: f64 = 1.25;
 pub(crate) const NEARER: f64 = 0.5;
 
 impl Nearby {
-    /// Creates the selection: points in these patches are active only if near.
-    pub fn new(points: usize, patches: Vec<Patch>) -> Self {
-        let mut is_in_patch = vec![false; points];
+    /// Creates the selection for a world with this number of tools and bodies. Points in these patches are active only
+    /// if near.
+    pub fn new(points: &[Point], blocks: &[Blocks], patches: Vec<Patch>, parts: usize) -> Self {
+        let mut is_in_patch = vec![false; points.len()];
         for &number in patches.iter().flat_map(|patch| &patch.numbers) {
             is_in_patch[number] = true;
         }
-        let mut numbers: Vec<_> = (0..points).filter(|&number| !is_in_patch[number]).collect();
-        let always = numbers.len();
-        numbers.resize(always + if patches.is_empty() { 0 } else { ROOM }, 0);
+        let pairs = Pairs::new(points, blocks, &is_in_patch, parts);
         Self {
+            broad: BroadPhase::new(pairs),
             patches: patches.into(),
-            always,
-            numbers: numbers.into(),
-            count: always,
+            numbers: List::new(points.len().min(MAX_NEARBY)),
+            always: 0,
+            recent: List::new(points.len()),
+            is_recent: vec![false; points.len()].into(),
+            blocks: List::new(blocks.len()),
+            fresh: List::new(blocks.len()),
             left_out: 0,
         }
     }
 
     /// Copies the selection, without allocation.
     pub fn copy_from(&mut self, other: &Self) {
-        self.numbers.copy_from_slice(&other.numbers);
-        (self.count, self.left_out) = (other.count, other.left_out);
+        self.broad.copy_from(&other.broad);
+        for &number in self.recent.all() {
+            self.is_recent[number] = false;
+        }
+        for &number in other.recent.all() {
+            self.is_recent[number] = true;
+        }
+        self.recent.copy_from(&other.recent);
+        self.copy_numbers_from(other);
+    }
+
+    /// Copies the active points, without allocation.
+    pub fn copy_numbers_from(&mut self, other: &Self) {
+        self.numbers.copy_from(&other.numbers);
+        self.blocks.copy_from(&other.blocks);
+        (self.always, self.left_out) = (other.always, other.left_out);
     }
 
     /// Returns the indices of the active points.
     pub fn numbers(&self) -> &[usize] {
-        &self.numbers[..self.count]
+        self.numbers.all()
+    }
+
+    /// Returns the indices of the points that were active since the last tick, in ascending order.
+    pub fn recent(&self) -> &[usize] {
+        self.recent.all()
+    }
+
+    pub fn is_recent(&self, number: usize) -> bool {
+        self.is_recent[number]
+    }
+
+    /// Returns the active pairs of convex solids.
+    pub fn blocks(&self) -> &[usize] {
+        self.blocks.all()
+    }
+
+    /// Returns the pairs of convex solids that the last selection added.
+    pub fn fresh(&self) -> &[usize] {
+        self.fresh.all()
     }
 
     /// Returns the maximum number of points beyond the capacity since the last call.
@@ -113,8 +158,33 @@ impl Nearby {
         std::mem::take(&mut self.left_out)
     }
 
+    /// Ends a tick: only the active points are recent. `forget` is called for each other one.
+    pub fn end_tick(&mut self, mut forget: impl FnMut(usize)) {
+        if self.recent.all().len() == self.numbers.all().len() {
+            return;
+        }
+        for &number in self.recent.all() {
+            self.is_recent[number] = false;
+        }
+        for &number in self.numbers.all() {
+            self.is_recent[number] = true;
+        }
+        for &number in self.recent.all() {
+            if !self.is_recent[number] {
+                forget(number);
+            }
+        }
+        self.recent.clear();
+        for &number in self.numbers.all() {
+            self.recent.push(number);
+        }
+        self.recent.sort();
+    }
+
     /// Activates all touching points, after an external change.
     pub fn recollect(&mut self, touches: impl Fn(usize) -> bool) {
+        self.broad.select_touching(&touches);
+        self.take_pairs(&touches);
         let mut found = Found::new();
         for &number in self.patches.iter().flat_map(|patch| &patch.numbers) {
             if touches(number) {
@@ -124,13 +194,65 @@ impl Nearby {
         self.keep(&found);
     }
 
-    fn keep(&mut self, found: &Found) {
-        let here = &found.numbers[..found.count];
-        for (number, &found) in self.numbers[self.always..].iter_mut().zip(here) {
-            *number = found;
+    /// Activates the points of the near pairs, if there are too many those of touching ones first.
+    fn take_pairs(&mut self, touches: impl Fn(usize) -> bool) {
+        let pairs = self.broad.pairs.clone();
+        let near = || self.broad.near().iter().copied();
+        self.numbers.clear();
+        self.blocks.clear();
+        self.fresh.clear();
+        let total: usize = near().map(|pair| pairs.all[pair].points).sum();
+        let is_crowded = total > MAX_POINTS;
+        let mut left = MAX_POINTS;
+        for is_touching in [true, false] {
+            for number in near() {
+                let pair = &pairs.all[number];
+                let is_due = if is_crowded {
+                    pair.numbers().any(&touches) == is_touching
+                } else {
+                    is_touching
+                };
+                if !is_due || pair.points > left {
+                    continue;
+                }
+                left -= pair.points;
+                for point in pair.numbers() {
+                    self.numbers.push(point);
+                }
+                if let Some(blocks) = pair.blocks {
+                    self.blocks.push(blocks);
+                    if !self.broad.was_near(number) {
+                        self.fresh.push(blocks);
+                    }
+                }
+            }
         }
-        self.count = self.always + found.count;
+        if is_crowded {
+            self.numbers.sort();
+            let left_out = total - self.numbers.all().len();
+            self.left_out = self
+                .left_out
+                .max(u32::try_from(left_out).unwrap_or(u32::MAX));
+        }
+        self.always = self.numbers.all().len();
+    }
+
+    fn keep(&mut self, found: &Found) {
+        for &number in &found.numbers[..found.count] {
+            self.numbers.push(number);
+        }
         self.left_out = self.left_out.max(found.left_out);
+        let mut has_new = false;
+        for &number in self.numbers.all() {
+            if !self.is_recent[number] {
+                self.is_recent[number] = true;
+                self.recent.push(number);
+                has_new = true;
+            }
+        }
+        if has_new {
+            self.recent.sort();
+        }
     }
 
     /// Activates the points that touch or may touch within `h` `[s]`. `touches` returns whether a point already
@@ -142,15 +264,14 @@ impl Nearby {
         touches: impl Fn(usize) -> bool,
         h: f64,
     ) {
-        if self.patches.is_empty() {
-            return;
-        }
         let mut found = Found::new();
-        for &number in &self.numbers[self.always..self.count] {
+        for &number in &self.numbers.all()[self.always..] {
             if touches(number) {
                 found.take(f64::NEG_INFINITY, number);
             }
         }
+        self.broad.select(parts, &touches, h);
+        self.take_pairs(&touches);
         for patch in self.patches.iter() {
             let Some(any) = patch.numbers.first().map(|&number| &points[number]) else {
                 continue;
@@ -352,7 +473,7 @@ mod tests {
     #[test]
     fn looking_at_what_is_near_is_as_good_as_looking_at_all() {
         let all = renderer(20);
-        assert!(all.nearby.patches.is_empty() && all.points.len() <= MAX_POINTS);
+        assert!(all.nearby.patches.is_empty());
         let mut near = all.clone();
         let mut patches = Vec::new();
         for fixed in 1..=3 {
@@ -365,7 +486,7 @@ mod tests {
                     .collect(),
             ));
         }
-        near.nearby = Nearby::new(near.points.len(), patches);
+        near.nearby = Nearby::new(&near.points, &[], patches, near.parts.len());
         let (mut one, mut other) = (all.start(), near.start());
         let (mut off, mut least, mut touched) = (0.0_f64, usize::MAX, 0);
         for _ in 0..600 {

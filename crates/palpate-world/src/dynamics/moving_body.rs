@@ -308,6 +308,18 @@ impl Part {
         twist.velocity + twist.turning.cross(&(place - self.rigid.position))
     }
 
+    /// Returns an upper bound of the speed of its material within `radius` `[m]` of its centre, for constant forces over
+    /// `h` `[s]` `[m/s]`.
+    pub fn speed(&self, radius: f64, h: f64) -> f64 {
+        if self.is_fixed {
+            return 0.0;
+        }
+        let turning = (self.twist.turning + self.step.turning).norm() * radius;
+        let pushed =
+            self.drive.acceleration.norm() + self.mobility.acceleration(&self.force).norm();
+        (self.rigid.velocity + self.step.velocity).norm() + turning + pushed * h
+    }
+
     /// Returns the velocity at `place` that only contact damping uses `[m/s]`.
     pub fn apparent_velocity_at(&self, place: &Vector3) -> Vector3 {
         let turning = &self.turning_drive.apparent_turning;

@@ -154,8 +154,8 @@ pub(crate) fn advance(
     moving.gather(points, h);
     moving.look_at_all();
     moving.begin_holding(points);
-    before.nearby.copy_from(&moving.nearby);
-    let fastest = fastest(moving, points, h);
+    before.nearby.copy_numbers_from(&moving.nearby);
+    let fastest = fastest(moving, &mut before.rates, points, h);
     let mut effort = integrate(moving, before, points, fastest, sub_steps, MAX_TIMES, h);
     effort.left_out = moving.take_left_out();
     effort
@@ -285,8 +285,8 @@ fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 
 
 /// Returns bounds of the angular frequency and damping rate among the contacts that touch or may touch within `h`
 /// `[s]`. The bound over the two sides of a contact is the sum of stiffness or damping times mobility of all contacts
-/// there, plus the stiffest drive spring.
-fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
+/// there, plus the stiffest drive spring. `sums` of each tool and body are overwritten.
+fn fastest(moving: &Moving, sums: &mut [(f64, f64)], points: &[Point], h: f64) -> Fastest {
     let mut most_square: f64 = 0.0;
     let mut most_damping: f64 = 0.0;
     for link in &moving.links {
@@ -302,39 +302,34 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
     for (near, &number) in near.iter_mut().zip(moving.nearby.numbers()) {
         *near = may_touch(moving, number, &points[number], h);
     }
-    let nearby = || {
-        let each = moving.nearby.numbers().iter().zip(&near);
-        each.filter(|(_, near)| **near).map(|(&number, _)| number)
-    };
-    for number in nearby() {
-        let point = &points[number];
-        let (mut square, mut damping) = (0.0, 0.0);
+    let near = moving.nearby.numbers().iter().zip(near);
+    let near = near
+        .filter(|(_, near)| *near)
+        .map(|(&number, _)| &points[number]);
+    for point in near.clone() {
         for side in [point.first, point.second] {
-            let held = rates_of_links(moving, side);
-            (square, damping) = (square + held.0, damping + held.1);
-            let mobility = moving.parts[side].mobility.linear.max();
-            for other in nearby().map(|other| &points[other]) {
-                let lever = if other.first == side {
-                    0
-                } else if other.second == side {
-                    1
-                } else {
-                    continue;
-                };
-                let law = &other.law;
-                let along = mobility + other.along[lever];
-                let across = mobility + other.across[lever];
-                let tangential = if law.friction > 0.0 {
-                    law.friction_stiffness * across
-                } else {
-                    0.0
-                };
-                square += (law.stiffness * along).max(tangential);
-                damping += law.damping_rate(along, across);
-            }
+            sums[side] = rates_of_links(moving, side);
         }
-        most_square = most_square.max(square);
-        most_damping = most_damping.max(damping);
+    }
+    for point in near.clone() {
+        for (lever, side) in [point.first, point.second].into_iter().enumerate() {
+            let mobility = moving.parts[side].mobility.linear.max();
+            let law = &point.law;
+            let along = mobility + point.along[lever];
+            let across = mobility + point.across[lever];
+            let tangential = if law.friction > 0.0 {
+                law.friction_stiffness * across
+            } else {
+                0.0
+            };
+            sums[side].0 += (law.stiffness * along).max(tangential);
+            sums[side].1 += law.damping_rate(along, across);
+        }
+    }
+    for point in near {
+        let [first, second] = [point.first, point.second].map(|side| sums[side]);
+        most_square = most_square.max(first.0 + second.0);
+        most_damping = most_damping.max(first.1 + second.1);
     }
     let of_drives = |part: &Part| {
         let turning = part.turning_drive.stiffness * part.mobility.angular.max();

@@ -8,7 +8,8 @@ impl EnergyLedger {
     /// Records the change in the energy stored at the points as external: proxies have been displaced from their
     /// expected positions and the contacts re-evaluated.
     pub(crate) fn observe(&mut self, moving: &Moving, points: &[Point]) {
-        for (number, (entry, point)) in self.contacts.iter_mut().zip(points).enumerate() {
+        for &number in moving.nearby.recent() {
+            let (entry, point) = (&mut self.contacts[number], &points[number]);
             let stored = moving.stored(number, point);
             entry.observed += stored - entry.stored;
             entry.stored = stored;
@@ -17,7 +18,8 @@ impl EnergyLedger {
 
     /// Records the motion of bodies and contacts over an interval, as in `moving`.
     pub(crate) fn pass(&mut self, moving: &Moving, points: &[Point], tools: usize) {
-        for (number, (entry, point)) in self.contacts.iter_mut().zip(points).enumerate() {
+        for &number in moving.nearby.recent() {
+            let (entry, point) = (&mut self.contacts[number], &points[number]);
             let past = &moving.touches[number].past;
             let stored = moving.stored(number, point);
             if point.is_held {

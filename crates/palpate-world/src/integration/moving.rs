@@ -38,6 +38,8 @@ pub(crate) struct Moving {
     pub held: HeldTools,
     /// Force limits of the tools; empty if the motion has none.
     pub limits: Vec<ForceLimit>,
+    /// Sums of the bounds of squared angular frequency `[1/s^2]` and damping rate `[1/s]` at each part (scratch buffer).
+    pub rates: Vec<(f64, f64)>,
     /// Time since the interval began `[s]`.
     pub elapsed: f64,
 }
@@ -48,6 +50,23 @@ impl Moving {
         self.parts.copy_from_slice(&other.parts);
         self.touches.copy_from_slice(&other.touches);
         self.nearby.copy_from(&other.nearby);
+        for (blocks, other) in self.blocks.iter_mut().zip(&other.blocks) {
+            blocks.copy_from(other);
+        }
+        self.copy_between(other);
+    }
+
+    /// Copies the state of another motion of the same world, whose inactive points are apart in both, without
+    /// allocation.
+    pub fn continue_from(&mut self, other: &Self) {
+        self.parts.copy_from_slice(&other.parts);
+        for &number in self.nearby.recent() {
+            self.touches[number] = Touch::apart();
+        }
+        for &number in other.nearby.recent() {
+            self.touches[number] = other.touches[number];
+        }
+        self.nearby.copy_from(&other.nearby);
         self.copy_between(other);
     }
 
@@ -55,10 +74,17 @@ impl Moving {
         for (surface, other) in self.surfaces.iter_mut().zip(&other.surfaces) {
             surface.copy_from(other);
         }
-        for (blocks, other) in self.blocks.iter_mut().zip(&other.blocks) {
-            blocks.copy_from(other);
+        for &number in other.nearby.blocks() {
+            self.blocks[number].copy_from(&other.blocks[number]);
         }
         self.links.copy_from_slice(&other.links);
+    }
+
+    /// Ends a tick.
+    pub fn end_tick(&mut self) {
+        let touches = &mut self.touches;
+        self.nearby
+            .end_tick(|number| touches[number] = Touch::apart());
     }
 
     pub fn is_finite(&self) -> bool {
@@ -67,7 +93,8 @@ impl Moving {
             sum += rigid.position.sum() + rigid.velocity.sum() + rigid.spin.sum();
             sum += rigid.orientation.coords.sum();
         }
-        for touch in &self.touches {
+        for &number in self.nearby.recent() {
+            let touch = &self.touches[number];
             sum += touch.bristle.sum() + touch.force.sum() + touch.past.work;
         }
         sum.is_finite()
@@ -79,8 +106,8 @@ impl Moving {
             limit.has_acted = false;
         }
         self.elapsed = 0.0;
-        for touch in &mut self.touches {
-            touch.past = Past::default();
+        for &number in self.nearby.recent() {
+            self.touches[number].past = Past::default();
         }
         for link in &mut self.links {
             link.begin();
@@ -88,6 +115,14 @@ impl Moving {
         for part in &mut self.parts {
             part.begin();
         }
+    }
+
+    /// Begins an interval after an external change, with zero sums of inactive points also.
+    pub fn begin_everywhere(&mut self) {
+        for touch in &mut self.touches {
+            touch.past = Past::default();
+        }
+        self.begin();
     }
 
     /// Resets the sides of spheres relative to meshes, and the faces of boxes relative to each other.
@@ -117,6 +152,11 @@ impl Moving {
     pub fn gather(&mut self, points: &[Point], h: f64) {
         let touches = |number: usize| !self.touches[number].is_apart();
         self.nearby.gather(&self.parts, points, touches, h);
+        for &number in self.nearby.fresh() {
+            let blocks = &mut self.blocks[number];
+            let [first, second] = blocks.parts.map(|number| &self.parts[number].rigid);
+            blocks.look(first, second, &mut self.touches, points);
+        }
     }
 
     /// Returns the energy stored in the contact at a point `[J]`.
@@ -232,7 +272,8 @@ impl Moving {
             let [first, second] = surface.parts().map(|number| &self.parts[number].rigid);
             surface.look(first, second);
         }
-        for blocks in &mut self.blocks {
+        for &number in self.nearby.blocks() {
+            let blocks = &mut self.blocks[number];
             let [first, second] = blocks.parts.map(|number| &self.parts[number].rigid);
             blocks.look(first, second, &mut self.touches, points);
         }
@@ -384,10 +425,10 @@ impl SubStepped for Moving {
 
     fn changed_from(&self, other: &Self) -> bool {
         let mut modes = self.nearby.numbers().iter();
-        let mut blocks = self.blocks.iter().zip(&other.blocks);
+        let mut blocks = self.nearby.blocks().iter();
         let mut links = self.links.iter().zip(&other.links);
         modes.any(|&number| self.touches[number].changed_from(&other.touches[number]))
-            || blocks.any(|(one, other)| one.changed_from(other))
+            || blocks.any(|&number| self.blocks[number].changed_from(&other.blocks[number]))
             || links.any(|(one, other)| one.changed_from(other))
     }
 

@@ -116,11 +116,9 @@ impl Basic {
     /// Adds the work of the held contact forces on the motion of the tools.
     #[inline]
     fn hold_contacts(renderer: &WorldRenderer, state: &mut Progress, positions: &[Vector]) {
-        for (point, (touch, entry)) in renderer
-            .points
-            .iter()
-            .zip(state.now.touches.iter().zip(&mut state.ledger.contacts))
-        {
+        for &number in state.now.nearby.recent() {
+            let (point, touch) = (&renderer.points[number], &state.now.touches[number]);
+            let entry = &mut state.ledger.contacts[number];
             if let Some(tool) = point.tool(renderer.tools)
                 && let Some(sign) = point.sign_on(tool)
             {
@@ -167,7 +165,8 @@ impl Basic {
         part.drive.apparent_velocity = way / elapsed;
         part.turning_drive.apparent_turning = by / elapsed;
         let has_torque = part.has_torque;
-        for (point, touch) in renderer.points.iter().zip(&mut state.now.touches) {
+        for &number in state.now.nearby.recent() {
+            let (point, touch) = (&renderer.points[number], &mut state.now.touches[number]);
             if let Some(sign) = point.sign_on(tool)
                 && !touch.is_apart()
             {
@@ -187,13 +186,8 @@ impl Basic {
     /// Adds the energy that the motion of the tools has given to their contacts.
     #[inline]
     pub(super) fn account_contacts(renderer: &WorldRenderer, state: &mut Progress) {
-        for (number, (entry, point)) in state
-            .ledger
-            .contacts
-            .iter_mut()
-            .zip(&renderer.points)
-            .enumerate()
-        {
+        for &number in state.now.nearby.recent() {
+            let (point, entry) = (&renderer.points[number], &mut state.ledger.contacts[number]);
             if point.tool(renderer.tools).is_some() {
                 let stored = state.now.stored(number, point);
                 let dissipated = state.now.touches[number].past.dissipated;
@@ -207,12 +201,13 @@ impl Basic {
     }
 
     pub fn plan(&self, renderer: &WorldRenderer, state: &mut Progress) -> Effort {
-        show_contacts(&mut state.contacts, &state.now);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.now);
         for (tool, intended) in state.intended.iter_mut().enumerate() {
             let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
             let mut touches = false;
             let part = &state.now.parts[tool];
-            for (point, touch) in renderer.points.iter().zip(&state.now.touches) {
+            for &number in state.now.nearby.recent() {
+                let (point, touch) = (&renderer.points[number], &state.now.touches[number]);
                 if let Some(sign) = point.sign_on(tool)
                     && !touch.is_apart()
                 {

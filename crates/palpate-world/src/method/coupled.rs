@@ -302,7 +302,7 @@ impl Coupled {
             turned,
             elapsed,
         };
-        let to_turn = interval.hold(&renderer.points, &state.now.touches, &mut state.ledger);
+        let to_turn = interval.hold(&renderer.points, &state.now, &mut state.ledger);
         let motion = Moved {
             device: [&start, &end],
             proxy: [&device.proxy, &proxy],
@@ -361,7 +361,7 @@ impl Coupled {
         let mut effort = Effort::default();
         begin_prediction(state, memory);
         state.ahead.look(points);
-        show_contacts(&mut state.contacts, &state.ahead);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.ahead);
         let sub_steps = &renderer.loop_params.sub_steps;
         for piece in 0..pieces {
             let duration = state.commands.duration(piece);
@@ -468,7 +468,7 @@ impl Coupled {
 /// Begins the prediction from the estimated devices at the sample.
 #[inline]
 fn begin_prediction(state: &mut Progress, memory: &mut CoupledMemory) {
-    state.ahead.copy_from(&state.now);
+    state.ahead.continue_from(&state.now);
     exchange_gathered(&mut state.ahead, &mut state.now);
     for (tool, device) in memory.devices.iter_mut().enumerate() {
         device.ahead = device.seen();

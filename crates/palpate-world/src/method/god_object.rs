@@ -211,7 +211,7 @@ impl GodObject {
             device.position += way;
             device.velocity = way / elapsed;
             let entry = &mut state.ledger.devices[tool];
-            for (number, point) in points.iter().enumerate() {
+            for (number, point) in points[..renderer.tool_points].iter().enumerate() {
                 if point.first == tool {
                     let force = state.now.touches[number].force;
                     let held = force.dot(&way);
@@ -230,7 +230,7 @@ impl GodObject {
     }
 
     pub fn plan(&self, state: &mut Progress, memory: &GodObjectMemory) -> Effort {
-        show_contacts(&mut state.contacts, &state.now);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.now);
         for (intended, device) in state.intended.iter_mut().zip(&memory.devices) {
             *intended = state.commands.for_force(&device.force);
         }
@@ -358,7 +358,8 @@ impl Pressed {
             damper,
         } = self;
         let mut sum = Vector3::zeros();
-        for (number, point) in points.iter().enumerate() {
+        for number in 0..memory.constraints.len() {
+            let point = &points[number];
             if point.first != tool {
                 continue;
             }

@@ -108,7 +108,7 @@ impl Hfcr {
         HeldTools::new(
             self.smooth_transition,
             &renderer.parts[..renderer.tools],
-            renderer.points.len(),
+            renderer.tool_points,
             [renderer.surfaces.len(), renderer.blocks.len()],
         )
     }
@@ -145,7 +145,7 @@ impl Hfcr {
         memory: &HfcrMemory,
         positions: &[Vector],
     ) {
-        for (number, point) in renderer.points.iter().enumerate() {
+        for (number, point) in renderer.points[..renderer.tool_points].iter().enumerate() {
             let Some(tool) = point.tool(renderer.tools) else {
                 continue;
             };
@@ -176,8 +176,8 @@ impl Hfcr {
     ) -> Effort {
         let points = &renderer.points;
         let period = renderer.loop_params.period;
-        show_contacts(&mut state.contacts, &state.now);
-        state.ahead.copy_from(&state.now);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.now);
+        state.ahead.continue_from(&state.now);
         exchange_gathered(&mut state.ahead, &mut state.now);
         state.ahead.begin();
         state.ahead.hold_tools();

@@ -5,6 +5,7 @@ mod sent;
 use nalgebra::UnitQuaternion;
 use palpate_core::Fault;
 
+use crate::contact::broad_phase::List;
 use crate::contact::convex_pairs::Blocks;
 use crate::contact::nearby::Nearby;
 use crate::contact::pairs::{Point, Side, points};
@@ -24,7 +25,7 @@ use crate::integration::moving::Moving;
 use crate::integration::yielding::ForceLimit;
 use crate::method::far_side::Entry;
 use crate::method::lines::{self, Slopes};
-use crate::method::state::{ContactState, Progress, ToolState, WorldState, body_state};
+use crate::method::state::{ContactState, Progress, Shown, ToolState, WorldState, body_state};
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::{
     Body, Effort, Limited, Motion, Output, Sample, Vector, World, WorldErrors, WorldFault,
@@ -37,6 +38,8 @@ use crate::{
 pub struct WorldRenderer {
     pub(crate) loop_params: WorldLoop,
     pub(crate) points: Vec<Point>,
+    /// Number of points of tools, which come first.
+    pub(crate) tool_points: usize,
     pub(crate) nearby: Nearby,
     pub(crate) tools: usize,
     /// World from which the renderer was created; `described` is the method.
@@ -116,8 +119,13 @@ impl WorldRenderer {
         }
         Ok(Self {
             loop_params,
+            tool_points: found
+                .points
+                .iter()
+                .filter(|point| point.tool(tools).is_some())
+                .count(),
+            nearby: Nearby::new(&found.points, &found.blocks, found.patches, parts.len()),
             points: found.points,
-            nearby: found.nearby,
             tools,
             world: world.clone(),
             described,
@@ -167,18 +175,13 @@ impl WorldRenderer {
             expects_the_missed: false,
             held: self.method.held_tools(self),
             limits: self.limits_in_motion(),
+            rates: vec![(0.0, 0.0); self.parts.len()],
             elapsed: 0.0,
         };
         let side = |number: usize| Side::new(number, self.tools);
-        let contacts = self.points.iter().map(|point| ContactState {
-            between: [side(point.first), side(point.second)],
-            mode: crate::Mode::Free,
-            point: [0.0; 3],
-            normal: [0.0; 3],
-            penetration: 0.0,
-            force: [0.0; 3],
-            bristle: [0.0; 3],
-        });
+        let contacts = self.points.iter();
+        let contacts =
+            contacts.map(|point| ContactState::apart([point.first, point.second].map(side)));
         let bodies = &self.parts[self.tools..];
         // If no tool turns, no torque is tracked.
         let turning = if self.turns.contains(&true) {
@@ -208,7 +211,10 @@ impl WorldRenderer {
             tools: vec![ToolState::default(); self.tools],
             bodies: bodies.iter().map(body_state).collect(),
             contacts: contacts.collect(),
-            sides: vec![Entry::default(); self.points.len()],
+            shown: Shown {
+                numbers: List::new(self.points.len()),
+                sides: vec![Entry::default(); self.points.len()],
+            },
             at_ports: CreatedAtPorts::none(self.points.len()),
             ledger: EnergyLedger {
                 contacts: vec![ContactLedger::default(); self.points.len()],
@@ -308,6 +314,7 @@ impl WorldRenderer {
         progress.close_ports();
         progress.send();
         self.publish(progress, memory);
+        progress.now.end_tick();
         Output {
             forces: &progress.forces,
             slopes: &progress.slopes.sent,
@@ -489,8 +496,8 @@ impl WorldRenderer {
         }
         // Discard the loads of the joints.
         parts.copy_from_slice(&self.parts);
-        for touch in &mut state.now.touches {
-            *touch = Touch::apart();
+        for &number in state.now.nearby.recent() {
+            state.now.touches[number] = Touch::apart();
         }
         state.now.forget_sides();
         for (part, entry) in self.parts[self.tools..]

@@ -291,10 +291,9 @@ impl VirtualCoupling {
                 part.rigid.orientation = turned;
             }
             let entry = &mut state.ledger.devices[tool];
-            for (point, (touch, contact)) in points
-                .iter()
-                .zip(state.now.touches.iter().zip(&mut state.ledger.contacts))
-            {
+            for &number in state.now.nearby.recent() {
+                let (point, touch) = (&points[number], &state.now.touches[number]);
+                let contact = &mut state.ledger.contacts[number];
                 if let Some(sign) = point.sign_on(tool) {
                     let past = &touch.past;
                     let impulse = past.impulse.dot(&way) * sign;
@@ -323,7 +322,7 @@ impl VirtualCoupling {
         state: &mut Progress,
         memory: &VirtualCouplingMemory,
     ) -> Effort {
-        show_contacts(&mut state.contacts, &state.now);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.now);
         let devices = memory.devices.iter().zip(&self.couplings);
         let devices = devices.zip(&renderer.axes);
         for ((part, intended), ((device, coupling), axes)) in state

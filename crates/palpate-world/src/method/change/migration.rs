@@ -197,13 +197,13 @@ impl WorldRenderer {
         }
         state.guard.appeared(appeared);
         state.now.begin();
-        show_contacts(&mut state.contacts, &state.now);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.now);
     }
 
     /// Evaluates the new elements at the current poses, and sums the loads of all elements on the bodies.
     fn evaluate_new(&self, state: &mut Progress, new: &New<'_>) {
         let Progress { now, room, .. } = state;
-        now.begin();
+        now.begin_everywhere();
         now.recollect();
         room.copy_from(now);
         room.look(&self.points);
