@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use crate::contact::convex_pairs::Blocks;
+use crate::contact::islands::Joined;
 use crate::contact::pairs::Point;
 use crate::dynamics::moving_body::Part;
-use crate::geometry::rigid::Vector3;
+use crate::geometry::rigid::{Rigid, Vector3};
 use crate::geometry::solid::Solid;
 
 /// A list of indices with a constant capacity, so a tick does not allocate.
@@ -72,7 +73,7 @@ impl Pair {
     }
 }
 
-/// All pairs of a world, by what the broad phase has to do for each.
+/// All pairs of a world, by how the broad phase finds them.
 #[derive(Debug)]
 pub(crate) struct Pairs {
     pub all: Vec<Pair>,
@@ -86,12 +87,20 @@ pub(crate) struct Pairs {
     bounded: Vec<usize>,
     /// Radius of each part's bounding sphere about its centre of mass `[m]`.
     radii: Vec<f64>,
+    /// Half-extents of each part along its own axes; of a ball its radius `[m]`.
+    halves: Vec<Vector3>,
 }
 
 impl Pairs {
-    /// Groups the contact points of a world with this number of tools and bodies. `is_excluded`: points that are
-    /// selected otherwise.
-    pub fn new(points: &[Point], blocks: &[Blocks], is_excluded: &[bool], parts: usize) -> Self {
+    /// Groups the contact points of a world. `is_excluded`: points that are selected otherwise. `halves`: half-extents of
+    /// each tool and body along its own axes `[m]`.
+    pub fn new(
+        points: &[Point],
+        blocks: &[Blocks],
+        is_excluded: &[bool],
+        halves: Vec<Vector3>,
+    ) -> Self {
+        let parts = halves.len();
         let mut radii = vec![0.0_f64; parts];
         let mut all: Vec<Pair> = Vec::new();
         let key = |point: &Point| {
@@ -157,7 +166,17 @@ impl Pairs {
             unbounded,
             bounded: (0..parts).filter(|&part| is_bounded[part]).collect(),
             radii,
+            halves,
         }
+    }
+
+    fn is_ball(&self, part: usize) -> bool {
+        self.halves[part] == Vector3::repeat(self.radii[part])
+    }
+
+    /// Returns the radius of each part's bounding sphere `[m]`.
+    pub fn radii(&self) -> &[f64] {
+        &self.radii
     }
 
     fn between(&self, one: usize, other: usize) -> Option<usize> {
@@ -167,6 +186,12 @@ impl Pairs {
     }
 }
 
+/// Ratio of the speed that a part may reach within an interval to the largest one in its island: 2 by the push of a
+/// heavier part, and as much again where that turns it.
+const PUSHED: f64 = 4.0;
+/// Number of searches for pairs after which all candidates are near.
+const MAX_PASSES: usize = 16;
+
 /// Safety margin of the distance at which two parts stay apart within an interval, in addition to their approach `[m]`.
 pub(crate) const MARGIN: f64 = 2e-4;
 
@@ -174,6 +199,10 @@ pub(crate) const MARGIN: f64 = 2e-4;
 #[derive(Clone, Debug)]
 pub(crate) struct BroadPhase {
     pub pairs: Arc<Pairs>,
+    /// Parts joined by near pairs.
+    pub joined: Joined,
+    /// Pairs that may be near (scratch buffer).
+    candidates: List,
     /// Near pairs, in ascending order.
     near: List,
     is_near: Box<[bool]>,
@@ -182,18 +211,23 @@ pub(crate) struct BroadPhase {
     was_near: Box<[bool]>,
     /// Parts in the order of the lower ends of their extents along the swept axis.
     order: Box<[usize]>,
-    /// Extent of each part along that axis `[m]`.
+    /// Half-extents of each part along the world's axes `[m]`.
+    halves: Box<[Vector3]>,
+    /// Extent of each part along the swept axis `[m]`.
     extents: Box<[[f64; 2]]>,
 }
 
 impl BroadPhase {
     pub fn new(pairs: Pairs) -> Self {
         Self {
+            joined: Joined::new(pairs.radii.len()),
+            candidates: List::new(pairs.all.len()),
             near: List::new(pairs.all.len()),
             is_near: vec![false; pairs.all.len()].into(),
             before: List::new(pairs.all.len()),
             was_near: vec![false; pairs.all.len()].into(),
             order: pairs.bounded.clone().into(),
+            halves: pairs.halves.clone().into(),
             extents: vec![[0.0; 2]; pairs.radii.len()].into(),
             pairs: Arc::new(pairs),
         }
@@ -245,29 +279,97 @@ impl BroadPhase {
         }
     }
 
-    /// Selects the pairs with a point that `touches`, and those whose parts may touch within `h` `[s]`.
-    pub fn select(&mut self, parts: &[Part], touches: impl Fn(usize) -> bool, h: f64) {
+    /// Selects the pairs with a point that `touches`, and those whose parts may touch within `h` `[s]`. Joins their parts,
+    /// and those of `links`.
+    pub fn select(
+        &mut self,
+        parts: &[Part],
+        links: &[[usize; 2]],
+        touches: impl Fn(usize) -> bool,
+        is_whole: bool,
+        h: f64,
+    ) {
         let pairs = self.pairs.clone();
         self.clear();
-        for &number in self.before.all() {
+        let fastest = self.joined.separate(parts, &pairs.radii, h);
+        for &[one, other] in links {
+            self.join(parts, one, other);
+        }
+        for place in 0..self.before.all().len() {
+            let number = self.before.all()[place];
             if pairs.all[number].numbers().any(&touches) {
-                Self::add(&mut self.near, &mut self.is_near, number);
+                self.choose(parts, &pairs, number);
             }
         }
         for &number in &pairs.always {
-            Self::add(&mut self.near, &mut self.is_near, number);
+            self.choose(parts, &pairs, number);
         }
-        // Each of the two may become twice as fast as the fastest part, by the push of a heavier one.
-        let speeds = parts.iter().zip(&pairs.radii);
-        let fastest = speeds.map(|(part, radius)| part.speed(*radius, h));
-        let reach = 2.0 * fastest.fold(0.0, f64::max) * 2.0 * h + 0.5 * MARGIN;
+        let reach = PUSHED * fastest * h + 0.5 * MARGIN;
+        self.candidates.clear();
         for &number in &pairs.unbounded {
-            if is_near_plane(&pairs.all[number], &pairs, parts, 2.0 * reach) {
-                Self::add(&mut self.near, &mut self.is_near, number);
+            if !self.is_near[number] && self.gap(number, parts) <= 2.0 * reach {
+                self.candidates.push(number);
             }
         }
         self.sweep(&pairs, parts, reach);
+        self.choose_candidates(parts, &pairs, is_whole, h);
         self.near.sort();
+    }
+
+    fn join(&mut self, parts: &[Part], one: usize, other: usize) {
+        if !parts[one].is_fixed && !parts[other].is_fixed {
+            self.joined.join(one, other);
+        }
+    }
+
+    fn choose(&mut self, parts: &[Part], pairs: &Pairs, number: usize) {
+        Self::add(&mut self.near, &mut self.is_near, number);
+        let [one, other] = pairs.all[number].parts;
+        self.join(parts, one, other);
+    }
+
+    /// Selects the candidates that the parts of their islands bring together. A chosen pair makes an island faster, so
+    /// the search is repeated until none is chosen.
+    fn choose_candidates(&mut self, parts: &[Part], pairs: &Pairs, is_whole: bool, h: f64) {
+        let mut is_done = false;
+        let mut passes = 0;
+        while !is_done {
+            (is_done, passes) = (true, passes + 1);
+            for place in 0..self.candidates.all().len() {
+                let number = self.candidates.all()[place];
+                if self.is_near[number] {
+                    continue;
+                }
+                let speeds = pairs.all[number].parts.map(|part| self.joined.speed(part));
+                let reach = PUSHED * h * (speeds[0] + speeds[1]) + MARGIN;
+                // Not reached if a speed is not a number, which the tick reports.
+                if self.gap(number, parts) <= reach || passes > MAX_PASSES || is_whole {
+                    self.choose(parts, pairs, number);
+                    is_done = false;
+                }
+            }
+        }
+    }
+
+    /// Returns a lower bound of the distance of the two parts of a pair `[m]`.
+    fn gap(&self, number: usize, parts: &[Part]) -> f64 {
+        let pair = &self.pairs.all[number];
+        let [one, other] = pair.parts;
+        let [first, second] = pair.parts.map(|part| &parts[part].rigid);
+        let apart = first.position - second.position;
+        let Some((normal, offset)) = pair.plane else {
+            let between_boxes = apart.abs() - self.halves[one] - self.halves[other];
+            let between_balls = apart.norm() - self.pairs.radii[one] - self.pairs.radii[other];
+            return between_boxes.max().max(between_balls);
+        };
+        let normal = second.orientation * normal;
+        let reach = if self.pairs.is_ball(one) {
+            self.pairs.radii[one]
+        } else {
+            let own = first.orientation.inverse_transform_vector(&normal);
+            own.abs().dot(&self.pairs.halves[one])
+        };
+        normal.dot(&apart) - offset - reach
     }
 
     /// Adds the pairs of bounded parts that are nearer than twice the `reach` `[m]`.
@@ -282,8 +384,17 @@ impl BroadPhase {
         }
         let axis = (bounds[1] - bounds[0]).imax();
         for &part in &self.order {
-            let (middle, radius) = (parts[part].rigid.position[axis], pairs.radii[part] + reach);
-            self.extents[part] = [middle - radius, middle + radius];
+            let Rigid {
+                position,
+                orientation,
+                ..
+            } = &parts[part].rigid;
+            if !pairs.is_ball(part) {
+                let turned = orientation.to_rotation_matrix().into_inner().abs();
+                self.halves[part] = turned * pairs.halves[part];
+            }
+            let half = self.halves[part][axis] + reach;
+            self.extents[part] = [position[axis] - half, position[axis] + half];
         }
         // The order hardly changes from one interval to the next.
         for end in 1..self.order.len() {
@@ -300,12 +411,11 @@ impl BroadPhase {
                 if self.extents[other][0] > high {
                     break;
                 }
-                let apart = parts[one].rigid.position - parts[other].rigid.position;
-                let near = pairs.radii[one] + pairs.radii[other] + 2.0 * reach;
-                if apart.norm_squared() <= near * near
-                    && let Some(pair) = pairs.between(one, other)
+                if let Some(pair) = pairs.between(one, other)
+                    && !self.is_near[pair]
+                    && self.gap(pair, parts) <= 2.0 * reach
                 {
-                    Self::add(&mut self.near, &mut self.is_near, pair);
+                    self.candidates.push(pair);
                 }
             }
         }
@@ -314,15 +424,4 @@ impl BroadPhase {
     fn low(&self, place: usize) -> f64 {
         self.extents[self.order[place]][0]
     }
-}
-
-/// Returns whether the bounding sphere of the first part is nearer to the half-space of the second than `reach` `[m]`.
-fn is_near_plane(pair: &Pair, pairs: &Pairs, parts: &[Part], reach: f64) -> bool {
-    let Some((normal, offset)) = pair.plane else {
-        return true;
-    };
-    let [first, second] = pair.parts.map(|part| &parts[part].rigid);
-    let normal = second.orientation * normal;
-    let above = normal.dot(&(first.position - second.position)) - offset;
-    above <= pairs.radii[pair.parts[0]] + reach
 }

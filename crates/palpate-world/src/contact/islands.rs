@@ -9,8 +9,6 @@ pub(crate) struct Joined {
     towards: Box<[usize]>,
     /// Largest speed in the island of a first part `[m/s]`.
     speeds: Box<[f64]>,
-    /// Whether the island of a first part has several parts.
-    is_shared: Box<[bool]>,
 }
 
 impl Joined {
@@ -18,7 +16,6 @@ impl Joined {
         Self {
             towards: (0..parts).collect(),
             speeds: vec![0.0; parts].into(),
-            is_shared: vec![false; parts].into(),
         }
     }
 
@@ -28,7 +25,6 @@ impl Joined {
         let mut fastest = 0.0_f64;
         for (number, part) in parts.iter().enumerate() {
             self.towards[number] = number;
-            self.is_shared[number] = false;
             self.speeds[number] = part.speed(radii[number], h);
             fastest = fastest.max(self.speeds[number]);
         }
@@ -51,14 +47,13 @@ impl Joined {
             let (first, second) = (one.min(other), one.max(other));
             self.towards[second] = first;
             self.speeds[first] = self.speeds[first].max(self.speeds[second]);
-            self.is_shared[first] = true;
         }
     }
 
-    /// Returns a bound of the speed of a part, which a heavier one may push to twice its own speed `[m/s]`.
+    /// Returns the largest speed in the island of a part `[m/s]`.
     pub fn speed(&mut self, part: usize) -> f64 {
         let first = self.first(part);
-        self.speeds[first] * if self.is_shared[first] { 2.0 } else { 1.0 }
+        self.speeds[first]
     }
 }
 
@@ -122,7 +117,7 @@ pub(crate) enum Kind {
     Links,
 }
 
-/// Islands of a world over an interval, first those that are awake.
+/// Islands of a world over an interval. Those that are awake come first.
 #[derive(Clone, Debug)]
 pub(crate) struct Islands {
     grouped: [Grouped; 5],

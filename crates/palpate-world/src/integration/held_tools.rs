@@ -6,6 +6,7 @@
 //! convex solids share one evaluation, so they begin and end together.
 
 use crate::contact::convex_pairs::Blocks;
+use crate::contact::islands::Kind;
 use crate::contact::pairs::Point;
 use crate::contact::point::{Met, Touch};
 use crate::dynamics::moving_body::{Part, Twist};
@@ -445,7 +446,8 @@ impl Moving {
         for pair in &mut self.held.pairs {
             pair.deepest = f64::NEG_INFINITY;
         }
-        for (number, surface) in self.surfaces.iter_mut().enumerate() {
+        for &number in self.nearby.islands.all(Kind::Surfaces) {
+            let surface = &mut self.surfaces[number];
             let [first, second] = self.held.pair_poses(number, surface.parts(), &self.parts);
             surface.look(&first, &second);
         }

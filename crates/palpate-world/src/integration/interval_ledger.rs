@@ -10,6 +10,9 @@ impl EnergyLedger {
     pub(crate) fn observe(&mut self, moving: &Moving, points: &[Point]) {
         for &number in moving.nearby.recent() {
             let (entry, point) = (&mut self.contacts[number], &points[number]);
+            if moving.is_settled(point) {
+                continue;
+            }
             let stored = moving.stored(number, point);
             entry.observed += stored - entry.stored;
             entry.stored = stored;
@@ -20,6 +23,9 @@ impl EnergyLedger {
     pub(crate) fn pass(&mut self, moving: &Moving, points: &[Point], tools: usize) {
         for &number in moving.nearby.recent() {
             let (entry, point) = (&mut self.contacts[number], &points[number]);
+            if moving.is_settled(point) {
+                continue;
+            }
             let past = &moving.touches[number].past;
             let stored = moving.stored(number, point);
             if point.is_held {
@@ -49,6 +55,9 @@ impl EnergyLedger {
             entry.step_error += entry.stored - before.stored + given;
         }
         for (entry, part) in self.bodies.iter_mut().zip(&moving.parts[tools..]) {
+            if part.is_settled {
+                continue;
+            }
             let kinetic = part.mobility.kinetic_energy(&part.rigid);
             // Work of its constant force as integrated by the sub-steps and as given by the displacement.
             let gained = part.work_of_constant_force();

@@ -7,7 +7,7 @@ use crate::dynamics::moving_body::Drive;
 use crate::error::out_of_range;
 use crate::geometry::rigid::{Rotation, Vector3, quaternion};
 use crate::geometry::turning::TurningDrive;
-use crate::integration::interval::advance;
+use crate::integration::interval::{Reach, advance};
 use crate::method::state::{Progress, show_contacts};
 use crate::{Effort, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer};
 
@@ -99,7 +99,14 @@ impl Basic {
         Self::hold_contacts(renderer, state, positions);
         state.now.begin();
         let sub_steps = &renderer.loop_params.sub_steps;
-        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
+        let effort = advance(
+            &mut state.now,
+            &mut state.room,
+            points,
+            sub_steps,
+            Reach::All,
+            elapsed,
+        );
         state.ledger.pass(&state.now, points, renderer.tools);
 
         // The tools are at the current device positions; the energy that this motion adds to the contacts is work of

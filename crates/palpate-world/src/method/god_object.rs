@@ -12,7 +12,7 @@ use crate::dynamics::moving_body::Drive;
 use crate::error::out_of_range;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::Solid;
-use crate::integration::interval::advance;
+use crate::integration::interval::{Reach, advance};
 use crate::method::state::{Progress, show_contacts};
 use crate::{
     Effort, Shape, Tool, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer,
@@ -202,7 +202,14 @@ impl GodObject {
         let points = &renderer.points;
         state.now.begin();
         let sub_steps = &renderer.loop_params.sub_steps;
-        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
+        let effort = advance(
+            &mut state.now,
+            &mut state.room,
+            points,
+            sub_steps,
+            Reach::All,
+            elapsed,
+        );
         state.ledger.pass(&state.now, points, renderer.tools);
         for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
             let device = &mut memory.devices[tool];

@@ -16,6 +16,7 @@ pub(crate) mod far_side;
 mod god_object;
 mod god_object_proxy;
 mod hfcr;
+mod initial;
 mod lines;
 pub(crate) mod renderer;
 mod sampled;

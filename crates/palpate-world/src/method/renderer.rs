@@ -13,7 +13,7 @@ use crate::contact::point::Touch;
 use crate::device::commands::Commands;
 use crate::device::guard::Account;
 use crate::device::tracking::Tracking;
-use crate::dynamics::joint_springs::{Link, links_of};
+use crate::dynamics::joint_springs::Link;
 use crate::dynamics::ledger::{
     BodyLedger, ContactLedger, CreatedAtPorts, Departed, DeviceLedger, EnergyLedger, JointLedger,
 };
@@ -24,12 +24,12 @@ use crate::geometry::rigid::{Mobility, Rigid, Vector3};
 use crate::integration::moving::Moving;
 use crate::integration::yielding::ForceLimit;
 use crate::method::far_side::Entry;
+use crate::method::initial::{links, part_of};
 use crate::method::lines::{self, Slopes};
 use crate::method::state::{ContactState, Progress, Shown, ToolState, WorldState, body_state};
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::{
-    Body, Effort, Limited, Motion, Output, Sample, Vector, World, WorldErrors, WorldFault,
-    WorldGuard, WorldLoop,
+    Effort, Limited, Output, Sample, Vector, World, WorldErrors, WorldFault, WorldGuard, WorldLoop,
 };
 
 /// Renderer of a world by one method in one loop. It is immutable: a tick cannot change a parameter, and one renderer
@@ -117,6 +117,15 @@ impl WorldRenderer {
         for point in &mut found.points {
             point.is_held = method.holds_contacts() && point.tool(tools).is_some();
         }
+        let surfaces = found.surfaces.iter().map(Surface::parts).collect();
+        // A joint to the world has its body on both sides.
+        let sides = links
+            .iter()
+            .map(|link| [link.first, link.second.unwrap_or(link.first)]);
+        let sides = [surfaces, sides.collect()];
+        let tool_shapes = world.tools.iter().map(|tool| &tool.shape);
+        let shapes = tool_shapes.chain(world.bodies.iter().map(|body| &body.shape));
+        let halves = shapes.map(crate::Shape::half_extents);
         Ok(Self {
             loop_params,
             tool_points: found
@@ -124,7 +133,13 @@ impl WorldRenderer {
                 .iter()
                 .filter(|point| point.tool(tools).is_some())
                 .count(),
-            nearby: Nearby::new(&found.points, &found.blocks, found.patches, parts.len()),
+            nearby: Nearby::new(
+                &found.points,
+                &found.blocks,
+                found.patches,
+                sides,
+                halves.collect(),
+            ),
             points: found.points,
             tools,
             world: world.clone(),
@@ -540,41 +555,4 @@ impl WorldRenderer {
             tool.torque = *torque;
         }
     }
-}
-
-/// Returns the springs of all joints of a checked world.
-fn links(world: &World, parts: &[Part]) -> Vec<Link> {
-    let number = |name: &String| {
-        let place = world.bodies.iter().position(|body| body.name == *name);
-        place.map(|body| world.tools.len() + body)
-    };
-    let joints = world.joints.iter().enumerate();
-    joints
-        .flat_map(|(joint, of)| {
-            let sides = [number(&of.body), of.against.as_ref().and_then(number)];
-            links_of(of, joint, sides, parts)
-        })
-        .collect()
-}
-
-fn part_of(body: &Body) -> Part {
-    let orientation = crate::geometry::rigid::orientation(body.orientation);
-    let mut rigid = Rigid {
-        position: body.position.into(),
-        orientation,
-        velocity: Vector3::zeros(),
-        spin: Vector3::zeros(),
-    };
-    let Motion::Free(free) = &body.motion else {
-        return Part::fixed(rigid);
-    };
-    // A half-space has no moments of inertia and is rejected as a moving body.
-    let moments = free.inertia.or_else(|| body.shape.moments(free.mass));
-    let moments = moments.unwrap_or([f64::INFINITY; 3]);
-    let mobility = Mobility::of_body(free.mass, moments);
-    let own = orientation.inverse_transform_vector(&free.angular_velocity.into());
-    rigid.velocity = free.velocity.into();
-    rigid.spin = orientation * own.component_mul(&Vector3::from(moments));
-    let force: Vector3 = free.force.into();
-    Part::new(rigid, mobility, Drive::constant(force / free.mass))
 }

@@ -132,6 +132,13 @@ impl WorldState {
         &self.progress.contacts
     }
 
+    /// Returns the indices of the contact points that were near enough to touch at the last sample, in ascending order.
+    /// All others are apart.
+    #[must_use]
+    pub fn near_contacts(&self) -> &[usize] {
+        self.progress.shown.numbers.all()
+    }
+
     /// Returns the spheres that are inside a mesh as of the last sample, each with that mesh. Such a sphere was
     /// inside when first seen, and nothing pushes it until it has come out.
     pub fn inside_meshes(&self) -> impl Iterator<Item = [Side; 2]> {
@@ -146,13 +153,12 @@ impl WorldState {
     /// Returns the contacts whose first side has passed through its second side. Inside a sphere, box, capsule,
     /// cylinder or hull it reached an opposite side at the last sample, and is now pushed out there.
     pub fn gone_through(&self) -> impl Iterator<Item = [Side; 2]> {
-        let contacts = self
-            .progress
-            .contacts
-            .iter()
-            .zip(&self.progress.shown.sides);
-        let through = contacts.filter(|(_, side)| side.is_through);
-        through.map(|(contact, _)| contact.between)
+        let Progress {
+            contacts, shown, ..
+        } = &self.progress;
+        let through = shown.numbers.all().iter();
+        let through = through.filter(|&&number| shown.sides[number].is_through);
+        through.map(|&number| contacts[number].between)
     }
 
     /// Returns the energy generated at the ports of the devices `[J]`: [`EnergyLedger::created`], weighted for each contact

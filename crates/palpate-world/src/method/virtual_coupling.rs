@@ -6,7 +6,7 @@ use crate::dynamics::moving_body::Drive;
 use crate::error::out_of_range;
 use crate::geometry::rigid::{Rotation, Vector3, quaternion};
 use crate::geometry::turning::TurningDrive;
-use crate::integration::interval::advance;
+use crate::integration::interval::{Reach, advance};
 use crate::method::state::{Progress, show_contacts};
 use crate::{Effort, Tool, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer};
 
@@ -272,7 +272,14 @@ impl VirtualCoupling {
         }
         state.now.begin();
         let sub_steps = &renderer.loop_params.sub_steps;
-        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
+        let effort = advance(
+            &mut state.now,
+            &mut state.room,
+            points,
+            sub_steps,
+            Reach::All,
+            elapsed,
+        );
         state.ledger.pass(&state.now, points, renderer.tools);
         for (tool, device) in memory.devices.iter_mut().enumerate() {
             let way = Vector3::from(positions[tool]) - device.position;
