@@ -613,15 +613,15 @@ fn a_hundred_balls_are_touched_without_allocating() {
         let mut state = renderer.start();
         let mut touched = 0;
         let count = allocations(|| {
-            for tick in 0..1000 {
+            for tick in 0..200 {
                 let t = f64::from(tick) * 0.001;
-                let sway = 0.08 * (1.0 - (6.0 * t).cos());
+                let sway = 0.08 * (1.0 - (20.0 * t).cos());
                 let positions = [[sway, 0.7 * sway, 0.021 + 0.004 * (30.0 * t).sin()]];
                 let output = black_box(renderer.step(&mut state, &Sample::at(&positions)));
                 touched += usize::from(output.forces[0] != [0.0; 3]);
             }
         });
-        assert!(touched > 100, "{touched}");
+        assert!(touched > 50, "{touched}");
         assert_eq!(count, 0);
     }
 }

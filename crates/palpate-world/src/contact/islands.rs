@@ -90,14 +90,14 @@ impl Grouped {
         }
     }
 
-    fn of(&self, islands: &std::ops::Range<usize>) -> &[usize] {
-        let end = |island: usize| island.checked_sub(1).map_or(0, |last| self.ends[last]);
-        &self.items[end(islands.start)..end(islands.end)]
+    /// Returns the number of items of the first `islands`.
+    fn end(&self, islands: usize) -> usize {
+        islands.checked_sub(1).map_or(0, |last| self.ends[last])
     }
 
     fn copy_from(&mut self, other: &Self, islands: usize) {
         self.ends[..=islands].copy_from_slice(&other.ends[..=islands]);
-        let count = islands.checked_sub(1).map_or(0, |last| other.ends[last]);
+        let count = other.end(islands);
         self.items[..count].copy_from_slice(&other.items[..count]);
     }
 }
@@ -125,8 +125,8 @@ pub(crate) struct Islands {
     numbers: Box<[usize]>,
     count: usize,
     awake: usize,
-    /// Selected islands.
-    scope: std::ops::Range<usize>,
+    /// Places of the items of the selected islands.
+    scope: [(usize, usize); 5],
 }
 
 const NONE: usize = usize::MAX;
@@ -140,18 +140,20 @@ impl Islands {
             numbers: vec![NONE; parts].into(),
             count: 0,
             awake: 0,
-            scope: 0..0,
+            scope: [(0, 0); 5],
         }
     }
 
     /// Returns the items of the selected islands.
     pub fn all(&self, kind: Kind) -> &[usize] {
-        self.grouped[kind as usize].of(&self.scope)
+        let (start, end) = self.scope[kind as usize];
+        &self.grouped[kind as usize].items[start..end]
     }
 
     /// Returns the items of all islands, including those at rest.
     pub fn with_resting(&self, kind: Kind) -> &[usize] {
-        self.grouped[kind as usize].of(&(0..self.count))
+        let grouped = &self.grouped[kind as usize];
+        &grouped.items[..grouped.end(self.count)]
     }
 
     /// Returns the number of islands that are awake.
@@ -161,19 +163,22 @@ impl Islands {
 
     /// Selects one island.
     pub fn enter(&mut self, island: usize) {
-        self.scope = island..island + 1;
+        self.scope = self
+            .grouped
+            .each_ref()
+            .map(|of| (of.end(island), of.end(island + 1)));
     }
 
     /// Selects all islands that are awake.
     pub fn leave(&mut self) {
-        self.scope = 0..self.awake;
+        self.scope = self.grouped.each_ref().map(|of| (0, of.end(self.awake)));
     }
 
     pub fn copy_from(&mut self, other: &Self) {
         for (own, other_items) in self.grouped.iter_mut().zip(&other.grouped) {
             own.copy_from(other_items, other.count);
         }
-        (self.count, self.awake, self.scope) = (other.count, other.awake, other.scope.clone());
+        (self.count, self.awake, self.scope) = (other.count, other.awake, other.scope);
     }
 
     /// Numbers the islands. One without a tool whose bodies are all at rest is at rest.
@@ -228,5 +233,6 @@ impl Islands {
         let each = items.map(|(item, [one, other])| (item, numbers[one].min(numbers[other])));
         let each = each.filter(|(_, island)| *island != NONE);
         self.grouped[kind as usize].fill(self.count, each);
+        self.scope[kind as usize] = (0, self.grouped[kind as usize].end(self.awake));
     }
 }

@@ -62,6 +62,8 @@ pub(crate) struct Nearby {
     pub broad: BroadPhase,
     patches: Arc<[Patch]>,
     pub islands: Islands,
+    /// Whether all that moves is one island.
+    is_whole: bool,
     /// Parts of each sphere on a mesh, and of each spring of a joint.
     surfaces: Arc<[[usize; 2]]>,
     links: Arc<[[usize; 2]]>,
@@ -78,6 +80,9 @@ pub(crate) struct Nearby {
     left_out: u32,
 }
 
+/// Number of free bodies up to which a world is one island. Islands save little there, and a tool that nothing touches
+/// yet keeps the sub-steps of the other contacts.
+const MAX_OF_A_WHOLE: usize = 4;
 /// Maximum number of active points in patches: as many as may lie in a plane, plus some beside it.
 const ROOM: usize = MAX_CORNERS + MAX_CORNERS / 2;
 /// Maximum number of active points.
@@ -94,13 +99,14 @@ pub(crate) const NEARER: f64 = 0.5;
 impl Nearby {
     /// Creates the selection for a world. Points in these patches are active only if near. `surfaces` and `links`: parts
     /// of each sphere on a mesh, and of each spring of a joint. `halves`: half-extents of each tool and body along its
-    /// own axes `[m]`.
+    /// own axes `[m]`. A world of few `free_bodies` is one island.
     pub fn new(
         points: &[Point],
         blocks: &[Blocks],
         patches: Vec<Patch>,
         [surfaces, links]: [Arc<[[usize; 2]]>; 2],
         halves: Vec<Vector3>,
+        free_bodies: usize,
     ) -> Self {
         let parts = halves.len();
         let mut is_in_patch = vec![false; points.len()];
@@ -117,6 +123,7 @@ impl Nearby {
                 blocks.len(),
                 links.len(),
             ]),
+            is_whole: free_bodies <= MAX_OF_A_WHOLE,
             surfaces,
             links,
             patches: patches.into(),
@@ -313,6 +320,7 @@ impl Nearby {
         (tools, is_whole): (usize, bool),
         h: f64,
     ) {
+        let is_whole = is_whole || self.is_whole;
         let mut found = Found::new();
         for &number in &self.numbers.all()[self.always..] {
             if touches(number) {

@@ -73,6 +73,9 @@ impl Moving {
     /// Scales the contacts of each tool whose elastic force or total force exceeds its limit.
     #[inline]
     pub(super) fn yield_to_limits(&mut self, points: &[Point]) {
+        if self.limits.is_empty() {
+            return;
+        }
         let (limits, parts) = (self.limits.len(), self.nearby.parts().len());
         for place in 0..parts {
             let tool = self.nearby.parts()[place];

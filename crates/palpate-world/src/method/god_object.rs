@@ -365,8 +365,8 @@ impl Pressed {
             damper,
         } = self;
         let mut sum = Vector3::zeros();
-        for number in 0..memory.constraints.len() {
-            let point = &points[number];
+        let of_tools = memory.constraints.len();
+        for (number, point) in points.iter().enumerate().take(of_tools) {
             if point.first != tool {
                 continue;
             }

@@ -126,6 +126,8 @@ impl WorldRenderer {
         let tool_shapes = world.tools.iter().map(|tool| &tool.shape);
         let shapes = tool_shapes.chain(world.bodies.iter().map(|body| &body.shape));
         let halves = shapes.map(crate::Shape::half_extents);
+        let bodies = parts[tools..].iter();
+        let free_bodies = bodies.filter(|part| !part.is_fixed).count();
         Ok(Self {
             loop_params,
             tool_points: found
@@ -139,6 +141,7 @@ impl WorldRenderer {
                 found.patches,
                 sides,
                 halves.collect(),
+                free_bodies,
             ),
             points: found.points,
             tools,

@@ -229,7 +229,7 @@ fn a_crowd_rests_wakes_where_it_is_touched_and_keeps_its_ledger() {
 
 #[test]
 fn what_is_changed_from_outside_wakes() {
-    let world = balls(3, 0.06);
+    let world = balls(6, 0.06);
     let (renderer, mut state) = start(&world, BasicParams::default());
     for _ in 0..300 {
         let _ = renderer.step(&mut state, &Sample::at(&[FAR]));

@@ -105,6 +105,7 @@ fn looking_at_what_is_near_is_as_good_as_looking_at_all() {
         patches,
         [[].into(), [].into()],
         vec![Vector3::repeat(1.0); 5],
+        1,
     );
     let (mut one, mut other) = (all.start(), near.start());
     let (mut off, mut least, mut touched) = (0.0_f64, usize::MAX, 0);
