@@ -53,7 +53,7 @@ impl Patch {
 
 /// Maximum number of contact points that a tick evaluates, without those of [large](crate::PointShell::MAX_ALWAYS)
 /// shells. Memory for them is reserved when a world is created. Of more points near enough to touch within an
-/// interval, those of whole pairs without contact are omitted and counted ([`Effort::left_out`](crate::Effort::left_out)).
+/// interval, those of whole pairs without contact are omitted and counted (`Effort::left_out`).
 pub const MAX_POINTS: usize = 1024;
 
 /// Indices of the active points: those of near pairs, and the nearest points in patches up to the capacity.
@@ -441,4 +441,4 @@ impl Found {
 }
 
 #[cfg(test)]
-mod tests;
+mod selection_tests;
