@@ -128,8 +128,8 @@ impl Held for HandledDevice {
     fn hold(&mut self, output: &Output, time: f64) {
         let sway = [0.0, 0.004 * (9.0 * time).sin(), 0.0];
         for _ in 0..20 {
-            for axis in 0..3 {
-                let hand = 300.0 * (self.rest[axis] + sway[axis] - self.position[axis])
+            for (axis, sway) in sway.into_iter().enumerate() {
+                let hand = 300.0 * (self.rest[axis] + sway - self.position[axis])
                     - 3.0 * self.velocity[axis];
                 self.velocity[axis] += (output.forces[0][axis] + hand) / DEVICE * PERIOD / 20.0;
                 self.position[axis] += self.velocity[axis] * PERIOD / 20.0;
