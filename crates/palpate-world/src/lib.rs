@@ -16,7 +16,8 @@ mod integration;
 mod method;
 
 pub use contact::law::Mode;
-pub use contact::pairs::{MAX_SHELL_POINTS, Side};
+pub use contact::nearby::MAX_POINTS;
+pub use contact::pairs::{MAX_POSSIBLE_POINTS, MAX_SHELL_POINTS, Side};
 pub use description::body::{Body, Free, Motion, Tool};
 pub use description::contact::{Contact, ContactLaw, Party};
 pub use description::joint::{Joint, JointKind, JointLaw};
@@ -31,7 +32,7 @@ pub use dynamics::ledger::{
 };
 pub use error::field::WorldField;
 pub use error::{LARGEST, LEAST, WorldError, WorldErrors, WorldPart, out_of_range};
-pub use geometry::hull::{Hull, HullError, MAX_POINTS};
+pub use geometry::hull::{Hull, HullError};
 pub use geometry::mesh::{
     DistanceGrid, GridBytesError, GridError, InvalidGrid, InvalidShell, MassProperties, Mesh,
     MeshError, PointShell,

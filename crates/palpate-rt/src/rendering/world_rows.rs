@@ -35,13 +35,14 @@ impl WorldRows {
     pub fn fill(&mut self, sequence: u64, state: &WorldState) {
         self.contacts.clear();
         let ledger = &state.ledger().contacts;
-        for (pair, (contact, entry)) in (0..).zip(state.contacts().iter().zip(ledger)) {
+        for &number in state.near_contacts() {
+            let (contact, entry) = (&state.contacts()[number], &ledger[number]);
             if contact.mode == Mode::Free || self.contacts.len() == self.contacts.capacity() {
                 continue;
             }
             self.contacts.push(ContactTick {
                 sequence,
-                pair,
+                pair: u32::try_from(number).unwrap_or(u32::MAX),
                 flags: Flags::CONTACT,
                 penetration: contact.penetration,
                 stored_energy: entry.stored,

@@ -23,7 +23,7 @@ mod zero;
 use crate::contact::law::PointLaw;
 use crate::contact::pairs::Point;
 use crate::contact::point::Touch;
-use crate::geometry::hull::MAX_POINTS;
+use crate::geometry::hull::MAX_CORNERS;
 use crate::geometry::rigid::{Rigid, Vector3};
 use boxes::Placed;
 use cylinders::Cylinders;
@@ -204,6 +204,14 @@ impl Blocks {
         }
     }
 
+    /// Returns the plane of the second, if it is a half-space: normal and offset in its axes `[m]`.
+    pub fn plane(&self) -> Option<(Vector3, f64)> {
+        match &self.solids {
+            Solids::Cylinders(cylinders) => cylinders.plane(),
+            _ => None,
+        }
+    }
+
     /// Copies the state of another instance of the same pair, without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         let Across {
@@ -291,7 +299,7 @@ impl Across {
             && before != plane
             && depth > 0.0
         {
-            let mut by_old = [Found::none(); MAX_POINTS];
+            let mut by_old = [Found::none(); MAX_CORNERS];
             let by_old = &mut by_old[..touches.len()];
             between.points(before, by_old);
             let keeps = before.corners_of() == plane.corners_of() && between.keeps_points();
@@ -316,13 +324,13 @@ impl Plane {
 fn hand_on(touches: &mut [Touch], law: &PointLaw, old: &[Found], new: &[Found], keeps: bool) {
     let stored =
         |touch: &Touch, found: &Found| law.stored(found.penetration.max(0.0), &touch.bristle);
-    let mut by_old = [0.0; MAX_POINTS];
+    let mut by_old = [0.0; MAX_CORNERS];
     for (stored_there, (touch, found)) in by_old.iter_mut().zip(touches.iter().zip(old)) {
         *stored_there = stored(touch, found);
     }
     if !keeps {
-        let mut goes_to = [None; MAX_POINTS];
-        let mut taken = [false; MAX_POINTS];
+        let mut goes_to = [None; MAX_CORNERS];
+        let mut taken = [false; MAX_CORNERS];
         // Repeatedly match the nearest remaining pair.
         for _ in 0..touches.len() {
             let mut nearest: Option<(f64, usize, usize)> = None;
@@ -346,7 +354,7 @@ fn hand_on(touches: &mut [Touch], law: &PointLaw, old: &[Found], new: &[Found], 
             goes_to[from] = Some(to);
             taken[to] = true;
         }
-        let mut before = [Touch::apart(); MAX_POINTS];
+        let mut before = [Touch::apart(); MAX_CORNERS];
         before[..touches.len()].copy_from_slice(touches);
         for (from, to) in goes_to[..touches.len()].iter_mut().enumerate() {
             // A bristle without a target moves to a free point that does not touch, where it is discarded.
@@ -356,7 +364,7 @@ fn hand_on(touches: &mut [Touch], law: &PointLaw, old: &[Found], new: &[Found], 
             touches[to] = before[from].at_the_point_of(&before[to]);
         }
     }
-    let mut handed = [0.0; MAX_POINTS];
+    let mut handed = [0.0; MAX_CORNERS];
     for (number, (touch, found)) in touches.iter().zip(new).enumerate() {
         handed[number] = stored(touch, found) - by_old[number];
     }

@@ -125,8 +125,11 @@ impl PointLaw {
 /// between the normals.
 #[inline]
 pub(crate) fn carried(vector: Vector3, from: &Vector3, to: &Vector3) -> Vector3 {
-    let axis = from.cross(to);
     let cosine = from.dot(to);
+    if from == to && cosine == 1.0 {
+        return vector - to * to.dot(&vector);
+    }
+    let axis = from.cross(to);
     let turned = if cosine > -0.5 {
         // Rodrigues' formula; the axis has the length of the sine.
         vector * cosine + axis.cross(&vector) + axis * (axis.dot(&vector) / (1.0 + cosine))

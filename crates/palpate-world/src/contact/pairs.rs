@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::contact::convex_pairs::Blocks;
 use crate::contact::law::PointLaw;
-use crate::contact::nearby::{Nearby, Patch};
+use crate::contact::nearby::Patch;
 use crate::geometry::convex::NoHull;
-use crate::geometry::hull::{Corners, MAX_POINTS};
+use crate::geometry::hull::{Corners, MAX_CORNERS};
 use crate::geometry::mesh::{POINTS_PER_MESH, Surface};
 use crate::geometry::rigid::{Mobility, Rigid, Vector3};
 use crate::geometry::solid::Solid;
@@ -14,6 +14,10 @@ use crate::{
     ContactLaw, Mesh, Motion, PointShell, Shape, World, WorldError, WorldErrors, WorldField,
     WorldPart,
 };
+
+/// Maximum number of possible contact points of a world, without those of large shells. A tick evaluates only near ones,
+/// at most [`MAX_POINTS`](crate::MAX_POINTS). Each possible point takes about 2 kB of memory.
+pub const MAX_POSSIBLE_POINTS: usize = 1 << 16;
 
 /// Maximum number of contact points of large shells in a world. A tick visits all of them a few times.
 pub const MAX_SHELL_POINTS: usize = 4096;
@@ -122,8 +126,8 @@ impl Candidate<'_> {
 /// Possible contacts between the tools and bodies of a world.
 pub(crate) struct Contacts {
     pub points: Vec<Point>,
-    /// Selection of the active points.
-    pub nearby: Nearby,
+    /// Points of large shells.
+    pub patches: Vec<Patch>,
     /// Meshes in contact with spheres.
     pub surfaces: Vec<Surface>,
     /// Pairs of boxes, hulls, capsules and cylinders.
@@ -151,14 +155,15 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
         }
     }
     let in_patches = collected.in_patches;
-    collected.check_count(collected.points.len() - in_patches, "", MAX_POINTS);
+    let possible = collected.points.len() - in_patches;
+    collected.check_count(possible, "", MAX_POSSIBLE_POINTS);
     collected.check_count(in_patches, " of large shells", MAX_SHELL_POINTS);
     for point in &mut collected.points {
         set_levers(point, mobilities);
     }
     WorldErrors::check(collected.faults)?;
     Ok(Contacts {
-        nearby: Nearby::new(collected.points.len(), collected.patches),
+        patches: collected.patches,
         points: collected.points,
         surfaces: collected.surfaces,
         blocks: collected.blocks,
@@ -372,7 +377,7 @@ struct Touching {
 fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> WorldError {
     let why = match reason {
         NoHull::TooMany => format!(
-            "its convex hull has more than {MAX_POINTS} corners, its contact points with a half-space; give it a shell \
+            "its convex hull has more than {MAX_CORNERS} corners, its contact points with a half-space; give it a shell \
              of points (`shell = {{ points = 60 }}` in its mesh), make it a hull (`hull` instead of `mesh`), or remove \
              the law of the pair"
         ),

@@ -299,6 +299,15 @@ impl Touch {
         self.force *= total;
     }
 
+    /// Keeps the force between two parts that have come to rest.
+    pub fn rest(&mut self) {
+        self.relative = Vector3::zeros();
+        self.expected = 0.0;
+        self.missed = 0.0;
+        self.damping_power = 0.0;
+        self.apparent_power = 0.0;
+    }
+
     /// Separates the surfaces. The energy stored in the bristle is lost.
     pub fn part(&mut self, point: &Point) {
         self.penetration = 0.0;

@@ -51,9 +51,9 @@ enum Holds {
 pub(crate) struct Link {
     /// Index of its joint.
     pub joint: usize,
-    first: usize,
+    pub first: usize,
     /// `None`: the world.
-    second: Option<usize>,
+    pub second: Option<usize>,
     /// The point in the axes of the first part `[m]`.
     on_first: Vector3,
     /// Initial position of the point in the axes of the second part `[m]`.
@@ -395,6 +395,12 @@ impl Link {
         let power =
             self.by_damping.dot(&relative.velocity) + self.torque_by_damping.dot(&relative.turning);
         self.damping_power = (-power).max(0.0);
+    }
+
+    /// Keeps the force between two parts that have come to rest.
+    pub fn rest(&mut self) {
+        self.relative = Twist::none();
+        self.damping_power = 0.0;
     }
 
     /// Adds half a sub-step under the force to the sums, ending at the current velocities.

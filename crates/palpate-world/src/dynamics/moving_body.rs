@@ -4,6 +4,13 @@ use crate::geometry::axes::{OwnAxes, out, own, scaled};
 use crate::geometry::rigid::{Mobility, Rigid, Vector3};
 use crate::geometry::turning::TurningDrive;
 
+/// Largest speed of the surface of a resting body `[m/s]`.
+const MAX_REST_SPEED: f64 = 1e-6;
+/// Largest acceleration of the surface of a resting body, a ten-thousandth of that of gravity `[m/s^2]`.
+const MAX_REST_ACCELERATION: f64 = 1e-3;
+/// Time for which all bodies of an island are still before they rest `[s]`.
+pub(crate) const TIME_TO_REST: f64 = 0.1;
+
 /// Motion of a tool or body without contacts, over an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drive {
@@ -24,6 +31,11 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
+    /// Returns whether the acceleration depends on neither position nor velocity.
+    fn is_constant(&self) -> bool {
+        self.damping_rate == Vector3::zeros() && self.spring_rate == Vector3::zeros()
+    }
+
     pub fn constant(acceleration: Vector3) -> Self {
         let none = Vector3::zeros();
         Self {
@@ -39,6 +51,9 @@ impl Drive {
 
     /// Returns the acceleration at a position, without the part that depends on the current velocity `[m/s^2]`.
     fn at(&self, axes: &OwnAxes, position: &Vector3) -> Vector3 {
+        if self.is_constant() {
+            return self.acceleration;
+        }
         self.acceleration + scaled(axes, &self.damping_rate, &self.velocity)
             - scaled(axes, &self.spring_rate, &(position - self.position))
     }
@@ -94,6 +109,12 @@ pub(crate) struct Part {
     pub way: f64,
     /// Upper bound of its rotation since the interval began `[rad]`.
     pub turned: f64,
+    /// Time for which its island has hardly moved `[s]`.
+    pub still_for: f64,
+    /// Whether it is at rest: its pose and the forces of its contacts do not change.
+    pub rests: bool,
+    /// Whether it was at rest when the interval began, and still is.
+    pub is_settled: bool,
     /// Predicted twist of a tool that its contacts hold over the interval; zero for all others.
     pub step: Twist,
 }
@@ -119,6 +140,9 @@ impl Part {
             turning_error: 0.0,
             way: 0.0,
             turned: 0.0,
+            still_for: 0.0,
+            rests: false,
+            is_settled: false,
             step: Twist::none(),
         }
     }
@@ -157,6 +181,39 @@ impl Part {
         }
     }
 
+    /// Returns whether it moves and accelerates by less than a rest allows; without a support not at all. `radius`: that of
+    /// its bounding sphere `[m]`.
+    pub fn is_still(&self, is_supported: bool, radius: f64) -> bool {
+        let acceleration = self.drive.acceleration + self.mobility.acceleration(&self.force);
+        let turned = self.turning(&self.torque);
+        let speed = self.rigid.velocity.norm() + self.twist.turning.norm() * radius;
+        let change = acceleration.norm() + turned.norm() * radius;
+        if is_supported {
+            speed <= MAX_REST_SPEED && change <= MAX_REST_ACCELERATION
+        } else {
+            speed == 0.0 && change == 0.0
+        }
+    }
+
+    /// Stops it. Its kinetic energy is a step error.
+    pub fn rest(&mut self) {
+        self.turning_error -= self.mobility.kinetic_energy(&self.rigid);
+        self.rigid.velocity = Vector3::zeros();
+        self.rigid.spin = Vector3::zeros();
+        self.twist = Twist::none();
+        self.ahead = Twist::none();
+        self.mean = Twist::none();
+        self.gained = Vector3::zeros();
+        self.rests = true;
+    }
+
+    /// Ends a rest.
+    pub fn wake(&mut self) {
+        self.rests = false;
+        self.is_settled = false;
+        self.still_for = 0.0;
+    }
+
     /// Copies the motion of `other`, the same part at another time of the same interval. Values that a sub-step sets
     /// before it reads them are not copied.
     pub fn copy_motion_from(&mut self, other: &Self) {
@@ -193,6 +250,10 @@ impl Part {
 
     /// Begins an interval.
     pub fn begin(&mut self) {
+        if self.is_settled {
+            return;
+        }
+        self.is_settled = self.rests;
         self.drive.position = self.rigid.position;
         self.drive.velocity = self.rigid.velocity;
         self.turning_drive.begin(&self.rigid);
@@ -228,8 +289,11 @@ impl Part {
     pub fn first_push(&mut self, half: f64) {
         let before = self.rigid.velocity;
         let axes = self.axes_of_drive();
-        let slowed = scaled(axes, &self.drive.damping_rate, &before);
-        let by_drive = (self.drive.at(axes, &self.rigid.position) - slowed) * half;
+        let mut by_drive = self.drive.at(axes, &self.rigid.position);
+        if !self.drive.is_constant() {
+            by_drive -= scaled(axes, &self.drive.damping_rate, &before);
+        }
+        let by_drive = by_drive * half;
         let by_contacts = self.mobility.acceleration(&self.force) * half;
         let torque = self.turning_drive.first_torque(&self.rigid);
         self.push(before, by_drive, by_contacts, torque, half);
@@ -242,9 +306,13 @@ impl Part {
         let axes = self.axes_of_drive();
         let by_contacts = self.mobility.acceleration(&self.force) * half;
         let sum = before + by_contacts + self.drive.at(axes, &self.rigid.position) * half;
-        let after =
-            own(axes, &sum).zip_map(&self.drive.damping_rate, |v, rate| v / (1.0 + half * rate));
-        let after = out(axes, &after);
+        let after = if self.drive.is_constant() {
+            sum
+        } else {
+            let rates = &self.drive.damping_rate;
+            let after = own(axes, &sum).zip_map(rates, |v, rate| v / (1.0 + half * rate));
+            out(axes, &after)
+        };
         let torque = self
             .turning_drive
             .second_torque(&self.rigid, &self.torque, half);
@@ -306,6 +374,19 @@ impl Part {
     /// Returns the velocity of its material at `place` for the motion `twist` `[m/s]`.
     pub fn velocity_at(&self, twist: &Twist, place: &Vector3) -> Vector3 {
         twist.velocity + twist.turning.cross(&(place - self.rigid.position))
+    }
+
+    /// Returns an upper bound of the speed of its material within `radius` `[m]` of its centre, for constant forces over
+    /// `h` `[s]` `[m/s]`.
+    pub fn speed(&self, radius: f64, h: f64) -> f64 {
+        if self.is_fixed {
+            return 0.0;
+        }
+        let turning = (self.twist.turning + self.step.turning).norm();
+        let by_torque = self.mobility.angular.max() * self.torque.norm();
+        let by_force = self.mobility.acceleration(&self.force).norm();
+        let pushed = self.drive.acceleration.norm() + by_force + by_torque * radius;
+        (self.rigid.velocity + self.step.velocity).norm() + turning * radius + pushed * h
     }
 
     /// Returns the velocity at `place` that only contact damping uses `[m/s]`.

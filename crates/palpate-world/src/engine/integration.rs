@@ -2,12 +2,12 @@
 
 use super::contact_point::Touch;
 use super::image::Image;
-use super::pairs::{Pair, Toucher};
+use super::pairs::{MAX_PAIRS, Pair, Toucher};
 use crate::dynamics::moving_body::Part;
 use crate::geometry::rigid::Vector3;
 use crate::integration::interval::{Fastest, SubStepped, integrate, whole};
 use crate::integration::yielding::ForceLimit;
-use crate::{Effort, MAX_POINTS, SubSteps};
+use crate::{Effort, SubSteps};
 
 /// Proxies and images in motion.
 #[derive(Clone, Debug)]
@@ -184,7 +184,7 @@ impl Meeting {
     /// each side of a contact is the sum of stiffness or damping times mobility over all contacts there, plus the
     /// stiffest drive spring.
     fn fastest(&self, pairs: &[Pair], h: f64) -> Fastest {
-        let mut near = [None; MAX_POINTS];
+        let mut near = [None; MAX_PAIRS];
         for (near, (touch, pair)) in near.iter_mut().zip(self.touches.iter().zip(pairs)) {
             *near = self.rates(touch, pair, h);
         }

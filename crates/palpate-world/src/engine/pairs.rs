@@ -8,7 +8,10 @@ use super::body::EngineBody;
 use crate::contact::law::PointLaw;
 use crate::geometry::rigid::{Rigid, Rotation, Vector3};
 use crate::geometry::solid::{Nearest, Solid};
-use crate::{MAX_POINTS, Mesh, Shape, Tool, WorldError, WorldField, WorldPart};
+use crate::{Mesh, Shape, Tool, WorldError, WorldField, WorldPart};
+
+/// Maximum number of pairs of a tool and a shape of an engine's body.
+pub(super) const MAX_PAIRS: usize = 64;
 
 /// A convex surface that a sphere touches at one point.
 #[derive(Clone, Debug)]
@@ -241,13 +244,13 @@ pub(super) fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<Wo
             message,
         ));
     }
-    if pairs.len() > MAX_POINTS {
+    if pairs.len() > MAX_PAIRS {
         faults.push(WorldError::new(
             WorldPart::World,
             WorldField::Bodies,
             "the engine",
             format!(
-                "there are {} pairs of a tool and a shape, and at most {MAX_POINTS} are allowed",
+                "there are {} pairs of a tool and a shape, and at most {MAX_PAIRS} are allowed",
                 pairs.len()
             ),
         ));

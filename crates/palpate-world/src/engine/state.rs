@@ -232,10 +232,11 @@ impl EngineState {
     /// Updates the ports with the energy generated at the devices, up to this sample, and at the bodies `[J]`.
     pub(super) fn close_ports(&mut self, pairs: &[Pair], with_bodies: f64) {
         let commands = &self.commands;
-        let contacts = self.ledger.contacts.iter().zip(pairs).map(|(entry, pair)| {
+        let contacts = self.ledger.contacts.iter().zip(pairs).enumerate();
+        let contacts = contacts.map(|(number, (entry, pair))| {
             let tool = pair.toucher.tool();
             let part = tool.map_or(1.0, |tool| commands.part_sent(tool));
-            (entry.created() + entry.outside, part)
+            (number, entry.created() + entry.outside, part)
         });
         let devices = self.ledger.devices.iter();
         let ports = devices.map(|entry| entry.port_work + entry.carried).sum();

@@ -8,9 +8,8 @@ use crate::geometry::convex::{NoHull, Polygon, coarse_hull, hull, triangles};
 use crate::geometry::rigid::{Rotation, Vector3, orientation};
 use crate::{MassProperties, Mesh, MeshError, Vector};
 
-/// Maximum number of contact points of a world, without those of [large](crate::PointShell::MAX_ALWAYS) shells. A tick
-/// evaluates all of them in every sub-step. It also evaluates up to the same number of near points of large shells.
-pub const MAX_POINTS: usize = 64;
+/// Maximum number of corners of a hull, and of contact points of a pair.
+pub(crate) const MAX_CORNERS: usize = 64;
 
 /// A convex solid: the convex hull of some points, in the axes of its body.
 #[derive(Clone, PartialEq)]
@@ -150,7 +149,7 @@ const NEARLY_A_LINE: f64 = 1e-6;
 
 impl Hull {
     /// Maximum number of corners of a hull.
-    pub const MAX_CORNERS: usize = MAX_POINTS;
+    pub const MAX_CORNERS: usize = MAX_CORNERS;
     /// Number of corners of a simplified hull. It leaves contact points of the world for other contacts.
     pub const SIMPLIFIED_CORNERS: usize = 48;
 
@@ -275,7 +274,7 @@ pub(crate) struct Edge {
 impl Corners {
     /// Computes the hull of points. Points outside by at most `within` `[m]` may be omitted.
     pub fn around(points: &[Vector3], within: f64) -> Result<Self, NoHull> {
-        Ok(Self::of_faces(hull(points, within, MAX_POINTS)?))
+        Ok(Self::of_faces(hull(points, within, MAX_CORNERS)?))
     }
 
     /// Computes the solid of the `most` furthest protruding points.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::geometry::rigid::Vector3;
 use crate::{Hull, Mesh, Vector};
 
 /// A shape, in the axes of its tool or body.
@@ -49,6 +50,37 @@ pub enum Shape {
     /// A convex solid with flat faces, in the body's axes. For bodies only; a moving body may need
     /// [`Body::balanced`](crate::Body::balanced).
     Hull(Arc<Hull>),
+}
+
+impl Shape {
+    /// Returns the half-extents of the smallest box about its origin along its own axes `[m]`.
+    pub(crate) fn half_extents(&self) -> Vector3 {
+        let around = |places: &[Vector]| {
+            let each = places.iter().map(|place| Vector3::from(*place).abs());
+            each.fold(Vector3::zeros(), |most, place| most.sup(&place))
+        };
+        match self {
+            Self::Sphere { radius } => Vector3::repeat(*radius),
+            Self::HalfSpace { .. } => Vector3::repeat(f64::INFINITY),
+            Self::Spheres { spheres } => {
+                let each = spheres.iter().map(|sphere| {
+                    Vector3::from(sphere.centre).abs() + Vector3::repeat(sphere.radius)
+                });
+                each.fold(Vector3::zeros(), |most, place| most.sup(&place))
+            }
+            Self::Box { half_extents } => Vector3::from(*half_extents),
+            Self::Capsule {
+                radius,
+                half_length,
+            } => Vector3::new(*radius, *radius, radius + half_length),
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => Vector3::new(*radius, *radius, *half_length),
+            Self::Mesh(mesh) => around(&mesh.vertices()),
+            Self::Hull(hull) => around(&hull.mesh().vertices()),
+        }
+    }
 }
 
 /// One of several spheres of a tool.

@@ -60,6 +60,9 @@ impl TurningDrive {
     /// the end, so that both halves together are of second order `[N m]`.
     pub fn second_torque(&self, rigid: &Rigid, contacts: &Vector3, half: f64) -> Vector3 {
         let undamped = self.at(rigid);
+        if self.damping_rate == 0.0 {
+            return undamped;
+        }
         let end = (rigid.spin + (contacts + undamped) * half) / (1.0 + half * self.damping_rate);
         undamped - end * self.damping_rate
     }

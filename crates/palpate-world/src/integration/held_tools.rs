@@ -6,6 +6,7 @@
 //! convex solids share one evaluation, so they begin and end together.
 
 use crate::contact::convex_pairs::Blocks;
+use crate::contact::islands::Kind;
 use crate::contact::pairs::Point;
 use crate::contact::point::{Met, Touch};
 use crate::dynamics::moving_body::{Part, Twist};
@@ -69,7 +70,7 @@ pub(crate) struct HeldTools {
     is_smooth: bool,
     /// Each tool at the sample, and its predicted twist.
     paths: Vec<(Rigid, Twist)>,
-    /// Contacts, by the numbers of their points.
+    /// Contacts of tools, by the numbers of their points.
     spans: Vec<Span>,
     /// Meshes, then pairs of convex solids.
     pairs: Vec<Pair>,
@@ -115,7 +116,8 @@ impl HeldTools {
         if self.spans.is_empty() {
             return;
         }
-        for &number in numbers {
+        let spans = self.spans.len();
+        for &number in numbers.iter().filter(|&&number| number < spans) {
             self.spans[number] = other.spans[number];
         }
         self.pairs.copy_from_slice(&other.pairs);
@@ -444,11 +446,13 @@ impl Moving {
         for pair in &mut self.held.pairs {
             pair.deepest = f64::NEG_INFINITY;
         }
-        for (number, surface) in self.surfaces.iter_mut().enumerate() {
+        for &number in self.nearby.islands.all(Kind::Surfaces) {
+            let surface = &mut self.surfaces[number];
             let [first, second] = self.held.pair_poses(number, surface.parts(), &self.parts);
             surface.look(&first, &second);
         }
-        for (number, blocks) in self.blocks.iter_mut().enumerate() {
+        for &number in self.nearby.blocks() {
+            let blocks = &mut self.blocks[number];
             let number = self.held.surfaces + number;
             let [first, second] = self.held.pair_poses(number, blocks.parts, &self.parts);
             blocks.look(&first, &second, &mut self.touches, points);
@@ -509,9 +513,10 @@ impl Moving {
         for &number in self.nearby.numbers() {
             let point = &points[number];
             let held = &self.held;
-            let (Some((mut start, bristle)), Some(tool)) =
-                (held.spans[number].start, point.tool(self.tools))
-            else {
+            let Some(tool) = point.tool(self.tools) else {
+                continue;
+            };
+            let Some((mut start, bristle)) = held.spans[number].start else {
                 continue;
             };
             let from = held.spans[number].from;

@@ -1,6 +1,7 @@
 //! Integration over one interval: bounded work, with finer steps at changes of contact mode.
 
 use crate::contact::convex_pairs::Blocks;
+use crate::contact::islands::Kind;
 use crate::contact::nearby::{MAX_NEARBY, approach};
 use crate::contact::pairs::Point;
 use crate::dynamics::moving_body::Part;
@@ -42,7 +43,7 @@ impl Default for SubSteps {
 /// Computing effort of the integration, and omitted work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
-    /// Number of sub-steps, including replaced ones.
+    /// Number of sub-steps of the island that needed the most, including replaced ones.
     pub sub_steps: u32,
     /// Number of sub-steps that were replaced by shorter ones.
     pub refined: u32,
@@ -61,6 +62,14 @@ pub struct Effort {
 }
 
 impl Effort {
+    /// Adds the effort for another island in the same interval.
+    fn beside(self, other: Self) -> Self {
+        Self {
+            sub_steps: self.sub_steps.max(other.sub_steps),
+            ..self.and(other)
+        }
+    }
+
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
             sub_steps: self.sub_steps + other.sub_steps,
@@ -143,22 +152,52 @@ impl Fastest {
     }
 }
 
-/// Integrates `moving` over `h` `[s]`, starting from evaluated contacts. `before` is overwritten.
+/// Integrates `moving` over `h` `[s]`, starting from evaluated contacts, each island with its own sub-steps. `before` is
+/// overwritten.
 pub(crate) fn advance(
     moving: &mut Moving,
     before: &mut Moving,
     points: &[Point],
     sub_steps: &SubSteps,
+    reach: Reach,
     h: f64,
 ) -> Effort {
     moving.gather(points, h);
     moving.look_at_all();
     moving.begin_holding(points);
-    before.nearby.copy_from(&moving.nearby);
-    let fastest = fastest(moving, points, h);
-    let mut effort = integrate(moving, before, points, fastest, sub_steps, MAX_TIMES, h);
+    before.nearby.copy_numbers_from(&moving.nearby);
+    let mut effort = Effort::default();
+    for island in 0..moving.nearby.islands.awake() {
+        moving.nearby.islands.enter(island);
+        before.nearby.islands.enter(island);
+        let has_tool = moving
+            .nearby
+            .parts()
+            .iter()
+            .any(|&part| part < moving.tools);
+        if !has_tool && reach == Reach::OfTools {
+            continue;
+        }
+        moving.elapsed = 0.0;
+        moving.wake();
+        let fastest = fastest(moving, &mut before.rates, points, h);
+        let passed = integrate(moving, before, points, fastest, sub_steps, MAX_TIMES, h);
+        if !has_tool && !passed.unstable {
+            moving.settle_down(h);
+        }
+        effort = effort.beside(passed);
+    }
+    moving.nearby.islands.leave();
     effort.left_out = moving.take_left_out();
     effort
+}
+
+/// Islands that an interval covers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reach {
+    All,
+    /// Islands with a tool. The others stay where they are.
+    OfTools,
 }
 
 /// Integrates `moving` over `h` `[s]`. The bounds `fastest` determine the number of sub-steps: up to
@@ -285,11 +324,12 @@ fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 
 
 /// Returns bounds of the angular frequency and damping rate among the contacts that touch or may touch within `h`
 /// `[s]`. The bound over the two sides of a contact is the sum of stiffness or damping times mobility of all contacts
-/// there, plus the stiffest drive spring.
-fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
+/// there, plus the stiffest drive spring. `sums` of each tool and body are overwritten.
+fn fastest(moving: &Moving, sums: &mut [(f64, f64)], points: &[Point], h: f64) -> Fastest {
     let mut most_square: f64 = 0.0;
     let mut most_damping: f64 = 0.0;
-    for link in &moving.links {
+    for &number in moving.nearby.islands.all(Kind::Links) {
+        let link = &moving.links[number];
         let (mut square, mut damping) = (0.0, 0.0);
         for (side, ..) in link.rates(&moving.parts) {
             let of_side = side.map_or((0.0, 0.0), |side| rates_of_links(moving, side));
@@ -302,45 +342,42 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> Fastest {
     for (near, &number) in near.iter_mut().zip(moving.nearby.numbers()) {
         *near = may_touch(moving, number, &points[number], h);
     }
-    let nearby = || {
-        let each = moving.nearby.numbers().iter().zip(&near);
-        each.filter(|(_, near)| **near).map(|(&number, _)| number)
-    };
-    for number in nearby() {
-        let point = &points[number];
-        let (mut square, mut damping) = (0.0, 0.0);
+    let near = moving.nearby.numbers().iter().zip(near);
+    let near = near
+        .filter(|(_, near)| *near)
+        .map(|(&number, _)| &points[number]);
+    for point in near.clone() {
         for side in [point.first, point.second] {
-            let held = rates_of_links(moving, side);
-            (square, damping) = (square + held.0, damping + held.1);
-            let mobility = moving.parts[side].mobility.linear.max();
-            for other in nearby().map(|other| &points[other]) {
-                let lever = if other.first == side {
-                    0
-                } else if other.second == side {
-                    1
-                } else {
-                    continue;
-                };
-                let law = &other.law;
-                let along = mobility + other.along[lever];
-                let across = mobility + other.across[lever];
-                let tangential = if law.friction > 0.0 {
-                    law.friction_stiffness * across
-                } else {
-                    0.0
-                };
-                square += (law.stiffness * along).max(tangential);
-                damping += law.damping_rate(along, across);
-            }
+            sums[side] = rates_of_links(moving, side);
         }
-        most_square = most_square.max(square);
-        most_damping = most_damping.max(damping);
+    }
+    for point in near.clone() {
+        for (lever, side) in [point.first, point.second].into_iter().enumerate() {
+            let mobility = moving.parts[side].mobility.linear.max();
+            let law = &point.law;
+            let along = mobility + point.along[lever];
+            let across = mobility + point.across[lever];
+            let tangential = if law.friction > 0.0 {
+                law.friction_stiffness * across
+            } else {
+                0.0
+            };
+            sums[side].0 += (law.stiffness * along).max(tangential);
+            sums[side].1 += law.damping_rate(along, across);
+        }
+    }
+    for point in near {
+        let [first, second] = [point.first, point.second].map(|side| sums[side]);
+        most_square = most_square.max(first.0 + second.0);
+        most_damping = most_damping.max(first.1 + second.1);
     }
     let of_drives = |part: &Part| {
         let turning = part.turning_drive.stiffness * part.mobility.angular.max();
         part.drive.spring_rate.max().max(turning)
     };
-    let most_drive = moving.parts.iter().map(of_drives).fold(0.0, f64::max);
+    let parts = moving.nearby.parts().iter();
+    let most_drive = parts.map(|&part| of_drives(&moving.parts[part]));
+    let most_drive = most_drive.fold(0.0, f64::max);
     Fastest {
         frequency: (most_square + most_drive).sqrt(),
         damping: most_damping,

@@ -8,7 +8,11 @@ impl EnergyLedger {
     /// Records the change in the energy stored at the points as external: proxies have been displaced from their
     /// expected positions and the contacts re-evaluated.
     pub(crate) fn observe(&mut self, moving: &Moving, points: &[Point]) {
-        for (number, (entry, point)) in self.contacts.iter_mut().zip(points).enumerate() {
+        for &number in moving.nearby.recent() {
+            let (entry, point) = (&mut self.contacts[number], &points[number]);
+            if moving.is_settled(point) {
+                continue;
+            }
             let stored = moving.stored(number, point);
             entry.observed += stored - entry.stored;
             entry.stored = stored;
@@ -17,7 +21,11 @@ impl EnergyLedger {
 
     /// Records the motion of bodies and contacts over an interval, as in `moving`.
     pub(crate) fn pass(&mut self, moving: &Moving, points: &[Point], tools: usize) {
-        for (number, (entry, point)) in self.contacts.iter_mut().zip(points).enumerate() {
+        for &number in moving.nearby.recent() {
+            let (entry, point) = (&mut self.contacts[number], &points[number]);
+            if moving.is_settled(point) {
+                continue;
+            }
             let past = &moving.touches[number].past;
             let stored = moving.stored(number, point);
             if point.is_held {
@@ -47,6 +55,9 @@ impl EnergyLedger {
             entry.step_error += entry.stored - before.stored + given;
         }
         for (entry, part) in self.bodies.iter_mut().zip(&moving.parts[tools..]) {
+            if part.is_settled {
+                continue;
+            }
             let kinetic = part.mobility.kinetic_energy(&part.rigid);
             // Work of its constant force as integrated by the sub-steps and as given by the displacement.
             let gained = part.work_of_constant_force();

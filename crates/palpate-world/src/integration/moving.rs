@@ -1,12 +1,13 @@
 //! A world in motion: poses, contact states, and sums since the interval began.
 
 use crate::contact::convex_pairs::Blocks;
+use crate::contact::islands::Kind;
 use crate::contact::nearby::{NEARER, Nearby, approached};
 use crate::contact::pairs::Point;
 use crate::contact::point::{Met, Past, Touch};
 use crate::dynamics::joint_springs::Link;
 use crate::dynamics::linkage::Carried;
-use crate::dynamics::moving_body::{Part, Twist};
+use crate::dynamics::moving_body::{Part, TIME_TO_REST, Twist};
 use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::{Nearest, Solid};
@@ -38,6 +39,8 @@ pub(crate) struct Moving {
     pub held: HeldTools,
     /// Force limits of the tools; empty if the motion has none.
     pub limits: Vec<ForceLimit>,
+    /// Sums of the bounds of squared angular frequency `[1/s^2]` and damping rate `[1/s]` at each part (scratch buffer).
+    pub rates: Vec<(f64, f64)>,
     /// Time since the interval began `[s]`.
     pub elapsed: f64,
 }
@@ -48,10 +51,6 @@ impl Moving {
         self.parts.copy_from_slice(&other.parts);
         self.touches.copy_from_slice(&other.touches);
         self.nearby.copy_from(&other.nearby);
-        self.copy_between(other);
-    }
-
-    fn copy_between(&mut self, other: &Self) {
         for (surface, other) in self.surfaces.iter_mut().zip(&other.surfaces) {
             surface.copy_from(other);
         }
@@ -61,13 +60,60 @@ impl Moving {
         self.links.copy_from_slice(&other.links);
     }
 
+    /// Copies the state of another motion of the same world, whose inactive points are apart in both, without
+    /// allocation.
+    pub fn continue_from(&mut self, other: &Self, points: &[Point]) {
+        // What rests in both is the same.
+        let mut touches = std::mem::take(&mut self.touches);
+        let is_settled =
+            |number: usize| self.is_settled(&points[number]) && other.is_settled(&points[number]);
+        for &number in self.nearby.recent() {
+            if !is_settled(number) {
+                touches[number] = Touch::apart();
+            }
+        }
+        for &number in other.nearby.recent() {
+            if !is_settled(number) {
+                touches[number] = other.touches[number];
+            }
+        }
+        self.touches = touches;
+        for (part, other) in self.parts.iter_mut().zip(&other.parts) {
+            if !(part.is_settled && other.is_settled) {
+                *part = *other;
+            }
+        }
+        self.nearby.copy_from(&other.nearby);
+        for (surface, other) in self.surfaces.iter_mut().zip(&other.surfaces) {
+            surface.copy_from(other);
+        }
+        for &number in other.nearby.islands.with_resting(Kind::Blocks) {
+            self.blocks[number].copy_from(&other.blocks[number]);
+        }
+        self.links.copy_from_slice(&other.links);
+    }
+
+    /// Returns whether both parts of a point were at rest when the interval began, and still are.
+    pub fn is_settled(&self, point: &Point) -> bool {
+        let [first, second] = [point.first, point.second].map(|part| &self.parts[part]);
+        (first.is_settled || first.is_fixed) && (second.is_settled || second.is_fixed)
+    }
+
+    /// Ends a tick.
+    pub fn end_tick(&mut self) {
+        let touches = &mut self.touches;
+        self.nearby
+            .end_tick(|number| touches[number] = Touch::apart());
+    }
+
     pub fn is_finite(&self) -> bool {
         let mut sum = 0.0;
         for Part { rigid, .. } in &self.parts {
             sum += rigid.position.sum() + rigid.velocity.sum() + rigid.spin.sum();
             sum += rigid.orientation.coords.sum();
         }
-        for touch in &self.touches {
+        for &number in self.nearby.recent() {
+            let touch = &self.touches[number];
             sum += touch.bristle.sum() + touch.force.sum() + touch.past.work;
         }
         sum.is_finite()
@@ -79,8 +125,8 @@ impl Moving {
             limit.has_acted = false;
         }
         self.elapsed = 0.0;
-        for touch in &mut self.touches {
-            touch.past = Past::default();
+        for &number in self.nearby.recent() {
+            self.touches[number].past = Past::default();
         }
         for link in &mut self.links {
             link.begin();
@@ -88,6 +134,14 @@ impl Moving {
         for part in &mut self.parts {
             part.begin();
         }
+    }
+
+    /// Begins an interval after an external change, with zero sums of inactive points also.
+    pub fn begin_everywhere(&mut self) {
+        for touch in &mut self.touches {
+            touch.past = Past::default();
+        }
+        self.begin();
     }
 
     /// Resets the sides of spheres relative to meshes, and the faces of boxes relative to each other.
@@ -116,7 +170,51 @@ impl Moving {
     /// Activates the points that touch or may touch within `h` `[s]`.
     pub fn gather(&mut self, points: &[Point], h: f64) {
         let touches = |number: usize| !self.touches[number].is_apart();
-        self.nearby.gather(&self.parts, points, touches, h);
+        let of = (self.tools, self.held.is_holding);
+        self.nearby.gather(&self.parts, points, touches, of, h);
+        for &number in self.nearby.fresh() {
+            let blocks = &mut self.blocks[number];
+            blocks.forget();
+            let [first, second] = blocks.parts.map(|number| &self.parts[number].rigid);
+            blocks.look(first, second, &mut self.touches, points);
+        }
+    }
+
+    /// Wakes the bodies of the selected islands.
+    pub fn wake(&mut self) {
+        for &number in self.nearby.parts() {
+            let part = &mut self.parts[number];
+            if part.rests {
+                part.wake();
+            }
+        }
+    }
+
+    /// Lets the bodies of the selected island rest, if they were all still for long enough, now for another `h` `[s]`.
+    pub fn settle_down(&mut self, h: f64) {
+        let is_supported =
+            !(self.nearby.numbers().is_empty() && self.nearby.islands.all(Kind::Links).is_empty());
+        let radii = self.nearby.broad.pairs.radii();
+        let mut parts = self.nearby.parts().iter();
+        let are_still = parts.all(|&part| self.parts[part].is_still(is_supported, radii[part]));
+        let mut rest = are_still;
+        for &number in self.nearby.parts() {
+            let part = &mut self.parts[number];
+            part.still_for = if are_still { part.still_for + h } else { 0.0 };
+            rest &= part.still_for >= TIME_TO_REST;
+        }
+        if !rest {
+            return;
+        }
+        for &number in self.nearby.parts() {
+            self.parts[number].rest();
+        }
+        for &number in self.nearby.numbers() {
+            self.touches[number].rest();
+        }
+        for &number in self.nearby.islands.all(Kind::Links) {
+            self.links[number].rest();
+        }
     }
 
     /// Returns the energy stored in the contact at a point `[J]`.
@@ -134,17 +232,13 @@ impl Moving {
 
     /// Re-evaluates the contacts after tools or bodies have been displaced.
     pub fn look(&mut self, points: &[Point]) {
-        for part in &mut self.parts {
+        for part in self.parts.iter_mut().filter(|part| !part.rests) {
             part.settle();
         }
         self.gather(points, 0.0);
         self.look_at_all();
         self.meet(points, 0.0);
         self.measure(points);
-    }
-
-    fn moving_parts(&mut self) -> impl Iterator<Item = &mut Part> {
-        self.parts.iter_mut().filter(|part| !part.is_fixed)
     }
 
     /// Evaluates the contacts and their loads at the current positions, which were reached by moving for `half` a
@@ -212,15 +306,16 @@ impl Moving {
             self.held
                 .release_pairs(numbers, points, &mut self.touches, &mut self.parts);
         }
-        for link in &mut self.links {
-            link.meet(&mut self.parts);
+        for &number in self.nearby.islands.all(Kind::Links) {
+            self.links[number].meet(&mut self.parts);
         }
     }
 
     /// Resets the loads of all parts, and evaluates the meshes and the pairs of blocks at the current positions.
     #[inline]
     fn look_at_shapes(&mut self, points: &[Point]) {
-        for part in &mut self.parts {
+        for &number in self.nearby.parts() {
+            let part = &mut self.parts[number];
             part.force = Vector3::zeros();
             part.torque = Vector3::zeros();
         }
@@ -228,11 +323,13 @@ impl Moving {
             self.look_at_held_shapes(points);
             return;
         }
-        for surface in &mut self.surfaces {
+        for &number in self.nearby.islands.all(Kind::Surfaces) {
+            let surface = &mut self.surfaces[number];
             let [first, second] = surface.parts().map(|number| &self.parts[number].rigid);
             surface.look(first, second);
         }
-        for blocks in &mut self.blocks {
+        for &number in self.nearby.blocks() {
+            let blocks = &mut self.blocks[number];
             let [first, second] = blocks.parts.map(|number| &self.parts[number].rigid);
             blocks.look(first, second, &mut self.touches, points);
         }
@@ -248,8 +345,8 @@ impl Moving {
                 touch.watch_damping(point, &relative, first, second);
             }
         }
-        for link in &mut self.links {
-            link.watch_damping(&self.parts);
+        for &number in self.nearby.islands.all(Kind::Links) {
+            self.links[number].watch_damping(&self.parts);
         }
     }
 }
@@ -307,29 +404,35 @@ impl SubStepped for Moving {
     type Pair = Point;
 
     fn copy_near_from(&mut self, other: &Self) {
-        for (part, other) in self.parts.iter_mut().zip(&other.parts) {
-            if !part.is_fixed {
-                part.copy_motion_from(other);
-            }
+        for &number in self.nearby.parts() {
+            self.parts[number].copy_motion_from(&other.parts[number]);
         }
         for &number in self.nearby.numbers() {
             self.touches[number].copy_from(&other.touches[number]);
         }
         self.held.copy_near_from(&other.held, self.nearby.numbers());
         self.elapsed = other.elapsed;
-        self.copy_between(other);
+        let islands = &self.nearby.islands;
+        for &number in islands.all(Kind::Surfaces) {
+            self.surfaces[number].copy_from(&other.surfaces[number]);
+        }
+        for &number in islands.all(Kind::Blocks) {
+            self.blocks[number].copy_from(&other.blocks[number]);
+        }
+        for &number in islands.all(Kind::Links) {
+            self.links[number] = other.links[number];
+        }
     }
 
     /// Performs one sub-step of `h` `[s]` with the velocity form of Verlet's method. Damping and friction use the
     /// velocities expected at its end, which preserves second order.
     fn sub_step(&mut self, points: &[Point], h: f64) {
         let half = 0.5 * h;
-        for (part, carried) in self.parts.iter_mut().zip(&self.carried) {
-            if let Some(carried) = carried {
+        for &number in self.nearby.parts() {
+            let part = &mut self.parts[number];
+            if let Some(Some(carried)) = self.carried.get(number) {
                 carried.carry(part, h);
             }
-        }
-        for part in self.moving_parts() {
             part.first_push(half);
         }
         for &number in self.nearby.numbers() {
@@ -343,12 +446,12 @@ impl SubStepped for Moving {
             touch.entry(&relative, tool, [half, self.elapsed]);
             touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
         }
-        for link in &mut self.links {
-            link.entry(&self.parts, half);
+        for &number in self.nearby.islands.all(Kind::Links) {
+            self.links[number].entry(&self.parts, half);
         }
         self.elapsed += h;
-        for part in self.moving_parts() {
-            part.drift(h);
+        for &number in self.nearby.parts() {
+            self.parts[number].drift(h);
         }
         if self.held.is_holding {
             self.add_held_damping(points, half);
@@ -358,8 +461,8 @@ impl SubStepped for Moving {
         if self.held.is_holding {
             self.add_held_damping(points, half);
         }
-        for part in self.moving_parts() {
-            part.second_push(half);
+        for &number in self.nearby.parts() {
+            self.parts[number].second_push(half);
         }
         for &number in self.nearby.numbers() {
             let (touch, point) = (&mut self.touches[number], &points[number]);
@@ -376,19 +479,19 @@ impl SubStepped for Moving {
             touch.entry(&relative, tool, [half, self.elapsed]);
             touch.relative = relative;
         }
-        for link in &mut self.links {
-            link.watch_damping(&self.parts);
-            link.entry(&self.parts, half);
+        for &number in self.nearby.islands.all(Kind::Links) {
+            self.links[number].watch_damping(&self.parts);
+            self.links[number].entry(&self.parts, half);
         }
     }
 
     fn changed_from(&self, other: &Self) -> bool {
         let mut modes = self.nearby.numbers().iter();
-        let mut blocks = self.blocks.iter().zip(&other.blocks);
-        let mut links = self.links.iter().zip(&other.links);
+        let mut blocks = self.nearby.blocks().iter();
+        let mut links = self.nearby.islands.all(Kind::Links).iter();
         modes.any(|&number| self.touches[number].changed_from(&other.touches[number]))
-            || blocks.any(|(one, other)| one.changed_from(other))
-            || links.any(|(one, other)| one.changed_from(other))
+            || blocks.any(|&number| self.blocks[number].changed_from(&other.blocks[number]))
+            || links.any(|&number| self.links[number].changed_from(&other.links[number]))
     }
 
     fn expect_the_missed(&mut self, is_added: bool) {

@@ -73,7 +73,15 @@ impl Moving {
     /// Scales the contacts of each tool whose elastic force or total force exceeds its limit.
     #[inline]
     pub(super) fn yield_to_limits(&mut self, points: &[Point]) {
-        for tool in 0..self.limits.len() {
+        if self.limits.is_empty() {
+            return;
+        }
+        let (limits, parts) = (self.limits.len(), self.nearby.parts().len());
+        for place in 0..parts {
+            let tool = self.nearby.parts()[place];
+            if tool >= limits {
+                continue;
+            }
             let limit = &self.limits[tool];
             let mut elastic = Vector3::zeros();
             let mut is_along = true;

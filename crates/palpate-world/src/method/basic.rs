@@ -7,7 +7,7 @@ use crate::dynamics::moving_body::Drive;
 use crate::error::out_of_range;
 use crate::geometry::rigid::{Rotation, Vector3, quaternion};
 use crate::geometry::turning::TurningDrive;
-use crate::integration::interval::advance;
+use crate::integration::interval::{Reach, advance};
 use crate::method::state::{Progress, show_contacts};
 use crate::{Effort, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer};
 
@@ -107,7 +107,14 @@ impl Basic {
         Self::hold_contacts(renderer, state, positions);
         state.now.begin();
         let sub_steps = &renderer.loop_params.sub_steps;
-        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
+        let effort = advance(
+            &mut state.now,
+            &mut state.room,
+            points,
+            sub_steps,
+            Reach::All,
+            elapsed,
+        );
         state.ledger.pass(&state.now, points, renderer.tools);
 
         // The tools are at the current device positions; the energy that this motion adds to the contacts is work of
@@ -124,11 +131,9 @@ impl Basic {
     /// Adds the work of the held contact forces on the motion of the tools.
     #[inline]
     fn hold_contacts(renderer: &WorldRenderer, state: &mut Progress, positions: &[Vector]) {
-        for (point, (touch, entry)) in renderer
-            .points
-            .iter()
-            .zip(state.now.touches.iter().zip(&mut state.ledger.contacts))
-        {
+        for &number in state.now.nearby.recent() {
+            let (point, touch) = (&renderer.points[number], &state.now.touches[number]);
+            let entry = &mut state.ledger.contacts[number];
             if let Some(tool) = point.tool(renderer.tools)
                 && let Some(sign) = point.sign_on(tool)
             {
@@ -175,7 +180,8 @@ impl Basic {
         part.drive.apparent_velocity = way / elapsed;
         part.turning_drive.apparent_turning = by / elapsed;
         let has_torque = part.has_torque;
-        for (point, touch) in renderer.points.iter().zip(&mut state.now.touches) {
+        for &number in state.now.nearby.recent() {
+            let (point, touch) = (&renderer.points[number], &mut state.now.touches[number]);
             if let Some(sign) = point.sign_on(tool)
                 && !touch.is_apart()
             {
@@ -195,13 +201,8 @@ impl Basic {
     /// Adds the energy that the motion of the tools has given to their contacts.
     #[inline]
     pub(super) fn account_contacts(renderer: &WorldRenderer, state: &mut Progress) {
-        for (number, (entry, point)) in state
-            .ledger
-            .contacts
-            .iter_mut()
-            .zip(&renderer.points)
-            .enumerate()
-        {
+        for &number in state.now.nearby.recent() {
+            let (point, entry) = (&renderer.points[number], &mut state.ledger.contacts[number]);
             if point.tool(renderer.tools).is_some() {
                 let stored = state.now.stored(number, point);
                 let dissipated = state.now.touches[number].past.dissipated;
@@ -215,12 +216,13 @@ impl Basic {
     }
 
     pub fn plan(&self, renderer: &WorldRenderer, state: &mut Progress) -> Effort {
-        show_contacts(&mut state.contacts, &state.now);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.now);
         for (tool, intended) in state.intended.iter_mut().enumerate() {
             let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
             let mut touches = false;
             let part = &state.now.parts[tool];
-            for (point, touch) in renderer.points.iter().zip(&state.now.touches) {
+            for &number in state.now.nearby.recent() {
+                let (point, touch) = (&renderer.points[number], &state.now.touches[number]);
                 if let Some(sign) = point.sign_on(tool)
                     && !touch.is_apart()
                 {

@@ -5,12 +5,13 @@ use super::coupled_ledger::{Moved, ToolInterval, Turned};
 use super::coupled_motions::Motions;
 use super::coupled_proxy::ProxyState;
 use super::coupled_turning::Turning;
+use crate::contact::pairs::Point;
 use crate::device::observer::{AxisObserver, AxisPrior};
 use crate::device::turning_observer::TurningPrior;
 use crate::dynamics::linkage::Linkage;
 use crate::geometry::axes::Axes;
 use crate::geometry::rigid::{Mobility, Rigid, Rotation, Vector3, quaternion};
-use crate::integration::interval::advance;
+use crate::integration::interval::{Reach, advance};
 use crate::integration::moving::Moving;
 use crate::method::state::{Progress, show_contacts};
 use crate::{Effort, Limited, Vector, WorldRenderer};
@@ -187,7 +188,14 @@ impl Coupled {
         state.ledger.observe(&state.now, points);
         state.now.begin();
         let sub_steps = &renderer.loop_params.sub_steps;
-        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
+        let effort = advance(
+            &mut state.now,
+            &mut state.room,
+            points,
+            sub_steps,
+            Reach::All,
+            elapsed,
+        );
         state.ledger.pass(&state.now, points, tools);
         for (tool, device) in memory.devices.iter_mut().enumerate() {
             let position = Vector3::from(positions[tool]);
@@ -302,7 +310,7 @@ impl Coupled {
             turned,
             elapsed,
         };
-        let to_turn = interval.hold(&renderer.points, &state.now.touches, &mut state.ledger);
+        let to_turn = interval.hold(&renderer.points, &state.now, &mut state.ledger);
         let motion = Moved {
             device: [&start, &end],
             proxy: [&device.proxy, &proxy],
@@ -359,9 +367,9 @@ impl Coupled {
         let pieces = state.commands.look_ahead(period);
         state.torque_commands.look_ahead(period);
         let mut effort = Effort::default();
-        begin_prediction(state, memory);
+        begin_prediction(points, state, memory);
         state.ahead.look(points);
-        show_contacts(&mut state.contacts, &state.ahead);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.ahead);
         let sub_steps = &renderer.loop_params.sub_steps;
         for piece in 0..pieces {
             let duration = state.commands.duration(piece);
@@ -372,6 +380,7 @@ impl Coupled {
                 &mut state.room,
                 points,
                 sub_steps,
+                Reach::All,
                 duration,
             );
             effort = effort.and(passed);
@@ -379,7 +388,15 @@ impl Coupled {
         }
         self.carry(&mut state.ahead, &memory.devices, period);
         state.ahead.begin();
-        let passed = advance(&mut state.ahead, &mut state.room, points, sub_steps, period);
+        let reach = Reach::OfTools;
+        let passed = advance(
+            &mut state.ahead,
+            &mut state.room,
+            points,
+            sub_steps,
+            reach,
+            period,
+        );
         effort = effort.and(passed);
         self.command(renderer, state, memory, period);
         effort
@@ -467,8 +484,8 @@ impl Coupled {
 
 /// Begins the prediction from the estimated devices at the sample.
 #[inline]
-fn begin_prediction(state: &mut Progress, memory: &mut CoupledMemory) {
-    state.ahead.copy_from(&state.now);
+fn begin_prediction(points: &[Point], state: &mut Progress, memory: &mut CoupledMemory) {
+    state.ahead.continue_from(&state.now, points);
     exchange_gathered(&mut state.ahead, &mut state.now);
     for (tool, device) in memory.devices.iter_mut().enumerate() {
         device.ahead = device.seen();

@@ -28,7 +28,8 @@ impl Impulse {
             work: 0.0,
             touched: false,
         };
-        for (point, touch) in renderer.points.iter().zip(&moving.touches) {
+        for &number in moving.nearby.recent() {
+            let (point, touch) = (&renderer.points[number], &moving.touches[number]);
             if let Some(sign) = point.sign_on(tool) {
                 sum.linear += touch.past.impulse * sign;
                 sum.moment += touch.past.moment * sign;

@@ -4,13 +4,13 @@ use super::coupled_motions::Motions;
 use super::coupled_proxy::ProxyState;
 use super::coupled_turning::TurningWork;
 use crate::contact::pairs::Point;
-use crate::contact::point::Touch;
 use crate::device::commands::Acting;
 use crate::dynamics::ledger::{DeviceLedger, EnergyLedger};
 use crate::dynamics::linkage::Linkage;
 use crate::dynamics::moving_body::Part;
 use crate::geometry::axes::Axes;
 use crate::geometry::rigid::Vector3;
+use crate::integration::moving::Moving;
 
 /// States of a device and its proxy at the beginning and the end of an interval.
 pub(super) struct Moved<'a> {
@@ -109,7 +109,7 @@ pub(super) struct Turned {
 impl ToolInterval<'_> {
     /// Adds the work of the contacts' mean force on the device. Returns the work that rotated the proxy `[J]`.
     #[inline]
-    pub fn hold(&self, points: &[Point], touches: &[Touch], ledger: &mut EnergyLedger) -> f64 {
+    pub fn hold(&self, points: &[Point], moving: &Moving, ledger: &mut EnergyLedger) -> f64 {
         let Self {
             tool, part, way, ..
         } = self;
@@ -120,9 +120,9 @@ impl ToolInterval<'_> {
         let mut to_turn = turned.map_or(0.0, |turned| turned.work.by_proxy - part.turning_error);
         let entry = &mut ledger.devices[tool];
         entry.carried += self.axes.across(&self.mean).dot(way);
-        for (point, (touch, contact)) in points.iter().zip(touches.iter().zip(&mut ledger.contacts))
-        {
-            if let Some(sign) = point.sign_on(tool) {
+        for &number in moving.nearby.recent() {
+            let (touch, contact) = (&moving.touches[number], &mut ledger.contacts[number]);
+            if let Some(sign) = points[number].sign_on(tool) {
                 let past = &touch.past;
                 let lead = past.impulse * (0.5 * elapsed) - past.moment;
                 let impulse = (past.impulse.dot(way) - lead.dot(&self.bend) * elapsed) * sign;

@@ -8,7 +8,7 @@ use crate::WorldRenderer;
 use crate::contact::pairs::Point;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::Solid;
-use crate::method::state::{ContactState, Progress};
+use crate::method::state::{ContactState, Progress, Shown};
 
 /// Cosine of the angle between two normals below which their sides are opposite. The cosine is -0.33 for the faces of
 /// a tetrahedron and 0 for adjacent faces of a box.
@@ -26,12 +26,10 @@ pub(crate) struct Entry {
 impl WorldRenderer {
     /// Checks the contacts of the last sample.
     pub(crate) fn watch_sides(&self, state: &mut Progress) {
-        for ((point, contact), side) in self
-            .points
-            .iter()
-            .zip(&state.contacts)
-            .zip(&mut state.sides)
-        {
+        let Shown { numbers, sides } = &mut state.shown;
+        for &number in numbers.all() {
+            let (point, contact) = (&self.points[number], &state.contacts[number]);
+            let side = &mut sides[number];
             side.is_through = false;
             if !is_inside(point, contact) {
                 side.normal = None;

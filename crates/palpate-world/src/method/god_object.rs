@@ -12,7 +12,7 @@ use crate::dynamics::moving_body::Drive;
 use crate::error::out_of_range;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::Solid;
-use crate::integration::interval::advance;
+use crate::integration::interval::{Reach, advance};
 use crate::method::state::{Progress, show_contacts};
 use crate::{
     Effort, Shape, Tool, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer,
@@ -202,7 +202,14 @@ impl GodObject {
         let points = &renderer.points;
         state.now.begin();
         let sub_steps = &renderer.loop_params.sub_steps;
-        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
+        let effort = advance(
+            &mut state.now,
+            &mut state.room,
+            points,
+            sub_steps,
+            Reach::All,
+            elapsed,
+        );
         state.ledger.pass(&state.now, points, renderer.tools);
         for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
             let device = &mut memory.devices[tool];
@@ -211,7 +218,7 @@ impl GodObject {
             device.position += way;
             device.velocity = way / elapsed;
             let entry = &mut state.ledger.devices[tool];
-            for (number, point) in points.iter().enumerate() {
+            for (number, point) in points[..renderer.tool_points].iter().enumerate() {
                 if point.first == tool {
                     let force = state.now.touches[number].force;
                     let held = force.dot(&way);
@@ -230,7 +237,7 @@ impl GodObject {
     }
 
     pub fn plan(&self, state: &mut Progress, memory: &GodObjectMemory) -> Effort {
-        show_contacts(&mut state.contacts, &state.now);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.now);
         for (intended, device) in state.intended.iter_mut().zip(&memory.devices) {
             *intended = state.commands.for_force(&device.force);
         }
@@ -358,7 +365,8 @@ impl Pressed {
             damper,
         } = self;
         let mut sum = Vector3::zeros();
-        for (number, point) in points.iter().enumerate() {
+        let of_tools = memory.constraints.len();
+        for (number, point) in points.iter().enumerate().take(of_tools) {
             if point.first != tool {
                 continue;
             }

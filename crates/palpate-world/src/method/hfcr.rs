@@ -11,7 +11,7 @@ use crate::error::out_of_range;
 use crate::geometry::rigid::Vector3;
 use crate::integration::held_load::Load;
 use crate::integration::held_tools::HeldTools;
-use crate::integration::interval::advance;
+use crate::integration::interval::{Reach, advance};
 use crate::method::basic::Basic;
 use crate::method::coupled::exchange_gathered;
 use crate::method::state::{Progress, show_contacts};
@@ -108,7 +108,7 @@ impl Hfcr {
         HeldTools::new(
             self.smooth_transition,
             &renderer.parts[..renderer.tools],
-            renderer.points.len(),
+            renderer.tool_points,
             [renderer.surfaces.len(), renderer.blocks.len()],
         )
     }
@@ -125,7 +125,14 @@ impl Hfcr {
         state.now.begin();
         state.now.hold_tools();
         let sub_steps = &renderer.loop_params.sub_steps;
-        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
+        let effort = advance(
+            &mut state.now,
+            &mut state.room,
+            points,
+            sub_steps,
+            Reach::All,
+            elapsed,
+        );
         state.now.let_tools_go();
         state.ledger.pass(&state.now, points, renderer.tools);
         for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
@@ -145,7 +152,7 @@ impl Hfcr {
         memory: &HfcrMemory,
         positions: &[Vector],
     ) {
-        for (number, point) in renderer.points.iter().enumerate() {
+        for (number, point) in renderer.points[..renderer.tool_points].iter().enumerate() {
             let Some(tool) = point.tool(renderer.tools) else {
                 continue;
             };
@@ -176,13 +183,20 @@ impl Hfcr {
     ) -> Effort {
         let points = &renderer.points;
         let period = renderer.loop_params.period;
-        show_contacts(&mut state.contacts, &state.now);
-        state.ahead.copy_from(&state.now);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.now);
+        state.ahead.continue_from(&state.now, points);
         exchange_gathered(&mut state.ahead, &mut state.now);
         state.ahead.begin();
         state.ahead.hold_tools();
         let sub_steps = &renderer.loop_params.sub_steps;
-        let effort = advance(&mut state.ahead, &mut state.room, points, sub_steps, period);
+        let effort = advance(
+            &mut state.ahead,
+            &mut state.room,
+            points,
+            sub_steps,
+            Reach::All,
+            period,
+        );
         state.ahead.conclude_holding(points);
         for (tool, intended) in state.intended.iter_mut().enumerate() {
             let mut sum = Load::none();

@@ -16,6 +16,7 @@ pub(crate) mod far_side;
 mod god_object;
 mod god_object_proxy;
 mod hfcr;
+mod initial;
 mod lines;
 pub(crate) mod renderer;
 mod sampled;
@@ -193,11 +194,11 @@ impl Checked {
                 Memory::VirtualCoupling(VirtualCouplingMemory::new(renderer.tools))
             }
             Self::GodObject(_) => {
-                let points = renderer.points.len();
+                let points = renderer.tool_points;
                 Memory::GodObject(GodObjectMemory::new(renderer.tools, points))
             }
             Self::Sampled(_) => Memory::Sampled(SampledMemory::new(renderer.tools)),
-            Self::Hfcr(_) => Memory::Hfcr(HfcrMemory::new(renderer.points.len())),
+            Self::Hfcr(_) => Memory::Hfcr(HfcrMemory::new(renderer.tool_points)),
             Self::Coupled(coupled) => {
                 Memory::Coupled(CoupledMemory::new(coupled, renderer.loop_params().period))
             }

@@ -5,6 +5,7 @@ mod sent;
 use nalgebra::UnitQuaternion;
 use palpate_core::Fault;
 
+use crate::contact::broad_phase::List;
 use crate::contact::convex_pairs::Blocks;
 use crate::contact::nearby::Nearby;
 use crate::contact::pairs::{Point, Side, points};
@@ -12,7 +13,7 @@ use crate::contact::point::Touch;
 use crate::device::commands::Commands;
 use crate::device::guard::Account;
 use crate::device::tracking::Tracking;
-use crate::dynamics::joint_springs::{Link, links_of};
+use crate::dynamics::joint_springs::Link;
 use crate::dynamics::ledger::{
     BodyLedger, ContactLedger, CreatedAtPorts, Departed, DeviceLedger, EnergyLedger, JointLedger,
 };
@@ -23,12 +24,12 @@ use crate::geometry::rigid::{Mobility, Rigid, Vector3};
 use crate::integration::moving::Moving;
 use crate::integration::yielding::ForceLimit;
 use crate::method::far_side::Entry;
+use crate::method::initial::{links, part_of};
 use crate::method::lines::{self, Slopes};
-use crate::method::state::{ContactState, Progress, ToolState, WorldState, body_state};
+use crate::method::state::{ContactState, Progress, Shown, ToolState, WorldState, body_state};
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::{
-    Body, Effort, Limited, Motion, Output, Sample, Vector, World, WorldErrors, WorldFault,
-    WorldGuard, WorldLoop,
+    Effort, Limited, Output, Sample, Vector, World, WorldErrors, WorldFault, WorldGuard, WorldLoop,
 };
 
 /// Renderer of a world by one method in one loop. It is immutable: a tick cannot change a parameter, and one renderer
@@ -37,6 +38,8 @@ use crate::{
 pub struct WorldRenderer {
     pub(crate) loop_params: WorldLoop,
     pub(crate) points: Vec<Point>,
+    /// Number of points of tools, which come first.
+    pub(crate) tool_points: usize,
     pub(crate) nearby: Nearby,
     pub(crate) tools: usize,
     /// World from which the renderer was created; `described` is the method.
@@ -114,10 +117,33 @@ impl WorldRenderer {
         for point in &mut found.points {
             point.is_held = method.holds_contacts() && point.tool(tools).is_some();
         }
+        let surfaces = found.surfaces.iter().map(Surface::parts).collect();
+        // A joint to the world has its body on both sides.
+        let sides = links
+            .iter()
+            .map(|link| [link.first, link.second.unwrap_or(link.first)]);
+        let sides = [surfaces, sides.collect()];
+        let tool_shapes = world.tools.iter().map(|tool| &tool.shape);
+        let shapes = tool_shapes.chain(world.bodies.iter().map(|body| &body.shape));
+        let halves = shapes.map(crate::Shape::half_extents);
+        let bodies = parts[tools..].iter();
+        let free_bodies = bodies.filter(|part| !part.is_fixed).count();
         Ok(Self {
             loop_params,
+            tool_points: found
+                .points
+                .iter()
+                .filter(|point| point.tool(tools).is_some())
+                .count(),
+            nearby: Nearby::new(
+                &found.points,
+                &found.blocks,
+                found.patches,
+                sides,
+                halves.collect(),
+                free_bodies,
+            ),
             points: found.points,
-            nearby: found.nearby,
             tools,
             world: world.clone(),
             described,
@@ -167,18 +193,13 @@ impl WorldRenderer {
             expects_the_missed: false,
             held: self.method.held_tools(self),
             limits: self.limits_in_motion(),
+            rates: vec![(0.0, 0.0); self.parts.len()],
             elapsed: 0.0,
         };
         let side = |number: usize| Side::new(number, self.tools);
-        let contacts = self.points.iter().map(|point| ContactState {
-            between: [side(point.first), side(point.second)],
-            mode: crate::Mode::Free,
-            point: [0.0; 3],
-            normal: [0.0; 3],
-            penetration: 0.0,
-            force: [0.0; 3],
-            bristle: [0.0; 3],
-        });
+        let contacts = self.points.iter();
+        let contacts =
+            contacts.map(|point| ContactState::apart([point.first, point.second].map(side)));
         let bodies = &self.parts[self.tools..];
         // If no tool turns, no torque is tracked.
         let turning = if self.turns.contains(&true) {
@@ -208,7 +229,10 @@ impl WorldRenderer {
             tools: vec![ToolState::default(); self.tools],
             bodies: bodies.iter().map(body_state).collect(),
             contacts: contacts.collect(),
-            sides: vec![Entry::default(); self.points.len()],
+            shown: Shown {
+                numbers: List::new(self.points.len()),
+                sides: vec![Entry::default(); self.points.len()],
+            },
             at_ports: CreatedAtPorts::none(self.points.len()),
             ledger: EnergyLedger {
                 contacts: vec![ContactLedger::default(); self.points.len()],
@@ -308,6 +332,7 @@ impl WorldRenderer {
         progress.close_ports();
         progress.send();
         self.publish(progress, memory);
+        progress.now.end_tick();
         Output {
             forces: &progress.forces,
             slopes: &progress.slopes.sent,
@@ -489,8 +514,8 @@ impl WorldRenderer {
         }
         // Discard the loads of the joints.
         parts.copy_from_slice(&self.parts);
-        for touch in &mut state.now.touches {
-            *touch = Touch::apart();
+        for &number in state.now.nearby.recent() {
+            state.now.touches[number] = Touch::apart();
         }
         state.now.forget_sides();
         for (part, entry) in self.parts[self.tools..]
@@ -533,41 +558,4 @@ impl WorldRenderer {
             tool.torque = *torque;
         }
     }
-}
-
-/// Returns the springs of all joints of a checked world.
-fn links(world: &World, parts: &[Part]) -> Vec<Link> {
-    let number = |name: &String| {
-        let place = world.bodies.iter().position(|body| body.name == *name);
-        place.map(|body| world.tools.len() + body)
-    };
-    let joints = world.joints.iter().enumerate();
-    joints
-        .flat_map(|(joint, of)| {
-            let sides = [number(&of.body), of.against.as_ref().and_then(number)];
-            links_of(of, joint, sides, parts)
-        })
-        .collect()
-}
-
-fn part_of(body: &Body) -> Part {
-    let orientation = crate::geometry::rigid::orientation(body.orientation);
-    let mut rigid = Rigid {
-        position: body.position.into(),
-        orientation,
-        velocity: Vector3::zeros(),
-        spin: Vector3::zeros(),
-    };
-    let Motion::Free(free) = &body.motion else {
-        return Part::fixed(rigid);
-    };
-    // A half-space has no moments of inertia and is rejected as a moving body.
-    let moments = free.inertia.or_else(|| body.shape.moments(free.mass));
-    let moments = moments.unwrap_or([f64::INFINITY; 3]);
-    let mobility = Mobility::of_body(free.mass, moments);
-    let own = orientation.inverse_transform_vector(&free.angular_velocity.into());
-    rigid.velocity = free.velocity.into();
-    rigid.spin = orientation * own.component_mul(&Vector3::from(moments));
-    let force: Vector3 = free.force.into();
-    Part::new(rigid, mobility, Drive::constant(force / free.mass))
 }

@@ -167,7 +167,8 @@ impl PopcParams {
         if !self.follows_reference {
             return given - self.initial_energy;
         }
-        let contacts = state.ledger.contacts.iter().zip(&renderer.points);
+        let points = &renderer.points[..renderer.tool_points];
+        let contacts = state.ledger.contacts.iter().zip(points);
         let contacts = contacts.filter(|(_, point)| point.sign_on(tool).is_some());
         given + contacts.map(|(entry, _)| entry.created()).sum::<f64>()
     }
@@ -185,6 +186,7 @@ impl PopcParams {
 
 /// Returns whether a contact touches a tool.
 fn is_touched(moving: &Moving, points: &[Point], tool: usize) -> bool {
-    let mut touches = points.iter().zip(&moving.touches);
-    touches.any(|(point, touch)| point.sign_on(tool).is_some() && !touch.is_apart())
+    let mut numbers = moving.nearby.recent().iter();
+    numbers
+        .any(|&number| points[number].sign_on(tool).is_some() && !moving.touches[number].is_apart())
 }

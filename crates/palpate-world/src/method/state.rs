@@ -1,11 +1,12 @@
 //! State of a world between samples, and its readable part.
 
+use crate::contact::broad_phase::List;
 use crate::contact::law::Mode;
 use crate::contact::pairs::Side;
 use crate::device::commands::Commands;
 use crate::device::guard::Account;
 use crate::device::tracking::Tracking;
-use crate::dynamics::ledger::{ContactLedger, CreatedAtPorts, EnergyLedger};
+use crate::dynamics::ledger::{CreatedAtPorts, EnergyLedger};
 use crate::dynamics::moving_body::Part;
 use crate::geometry::rigid::{Rigid, Vector3, quaternion};
 use crate::integration::moving::Moving;
@@ -46,11 +47,18 @@ pub(crate) struct Progress {
     pub tools: Vec<ToolState>,
     pub bodies: Vec<BodyState>,
     pub contacts: Vec<ContactState>,
-    /// Side tracking of each contact.
-    pub sides: Vec<Entry>,
+    pub shown: Shown,
     pub ledger: EnergyLedger,
     pub at_ports: CreatedAtPorts,
     pub guard: Account,
+}
+
+/// Contacts that were active at the last sample. All others are apart.
+#[derive(Clone, Debug)]
+pub(crate) struct Shown {
+    pub numbers: List,
+    /// Side tracking of each contact.
+    pub sides: Vec<Entry>,
 }
 
 impl Progress {
@@ -71,10 +79,11 @@ impl Progress {
                 .min(torque_commands.part_sent(tool)),
             Side::Body(_) => 1.0,
         };
-        let contacts = self.ledger.contacts.iter().zip(&self.contacts);
-        let contacts = contacts.map(|(entry, contact)| {
-            let [first, second] = &contact.between;
-            (ContactLedger::created(entry), part(first).min(part(second)))
+        // No other entry has changed.
+        let contacts = self.now.nearby.recent().iter().map(|&number| {
+            let [first, second] = &self.contacts[number].between;
+            let created = self.ledger.contacts[number].created();
+            (number, created, part(first).min(part(second)))
         });
         let otherwise = (self.ledger.created_otherwise(), 1.0);
         self.at_ports
@@ -83,14 +92,24 @@ impl Progress {
 }
 
 /// Copies the contacts of a world in motion.
-pub(crate) fn show_contacts(contacts: &mut [ContactState], moving: &Moving) {
-    for (touch, contact) in moving.touches.iter().zip(contacts) {
+pub(crate) fn show_contacts(contacts: &mut [ContactState], shown: &mut Shown, moving: &Moving) {
+    let Shown { numbers, sides } = shown;
+    for &number in numbers.all() {
+        if !moving.nearby.is_recent(number) {
+            contacts[number] = ContactState::apart(contacts[number].between);
+            sides[number] = Entry::default();
+        }
+    }
+    numbers.clear();
+    for &number in moving.nearby.recent() {
+        let (touch, contact) = (&moving.touches[number], &mut contacts[number]);
         contact.mode = touch.mode;
         contact.point = touch.place.into();
         contact.normal = touch.normal.into();
         contact.penetration = touch.penetration;
         contact.force = touch.force.into();
         contact.bristle = touch.bristle.into();
+        numbers.push(number);
     }
 }
 
@@ -113,6 +132,13 @@ impl WorldState {
         &self.progress.contacts
     }
 
+    /// Returns the indices of the contact points that were near enough to touch at the last sample, in ascending order.
+    /// All others are apart.
+    #[must_use]
+    pub fn near_contacts(&self) -> &[usize] {
+        self.progress.shown.numbers.all()
+    }
+
     /// Returns the spheres that are inside a mesh as of the last sample, each with that mesh. Such a sphere was
     /// inside when first seen, and nothing pushes it until it has come out.
     pub fn inside_meshes(&self) -> impl Iterator<Item = [Side; 2]> {
@@ -127,9 +153,12 @@ impl WorldState {
     /// Returns the contacts whose first side has passed through its second side. Inside a sphere, box, capsule,
     /// cylinder or hull it reached an opposite side at the last sample, and is now pushed out there.
     pub fn gone_through(&self) -> impl Iterator<Item = [Side; 2]> {
-        let contacts = self.progress.contacts.iter().zip(&self.progress.sides);
-        let through = contacts.filter(|(_, side)| side.is_through);
-        through.map(|(contact, _)| contact.between)
+        let Progress {
+            contacts, shown, ..
+        } = &self.progress;
+        let through = shown.numbers.all().iter();
+        let through = through.filter(|&&number| shown.sides[number].is_through);
+        through.map(|&number| contacts[number].between)
     }
 
     /// Returns the energy generated at the ports of the devices `[J]`: [`EnergyLedger::created`], weighted for each
@@ -253,4 +282,18 @@ pub struct ContactState {
     pub force: Vector,
     /// Deflection of the bristle `[m]`.
     pub bristle: Vector,
+}
+
+impl ContactState {
+    pub(crate) fn apart(between: [Side; 2]) -> Self {
+        Self {
+            between,
+            mode: Mode::Free,
+            point: [0.0; 3],
+            normal: [1.0, 0.0, 0.0],
+            penetration: 0.0,
+            force: [0.0; 3],
+            bristle: [0.0; 3],
+        }
+    }
 }

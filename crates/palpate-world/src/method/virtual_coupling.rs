@@ -6,7 +6,7 @@ use crate::dynamics::moving_body::Drive;
 use crate::error::out_of_range;
 use crate::geometry::rigid::{Rotation, Vector3, quaternion};
 use crate::geometry::turning::TurningDrive;
-use crate::integration::interval::advance;
+use crate::integration::interval::{Reach, advance};
 use crate::method::state::{Progress, show_contacts};
 use crate::{Effort, Tool, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer};
 
@@ -272,7 +272,14 @@ impl VirtualCoupling {
         }
         state.now.begin();
         let sub_steps = &renderer.loop_params.sub_steps;
-        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
+        let effort = advance(
+            &mut state.now,
+            &mut state.room,
+            points,
+            sub_steps,
+            Reach::All,
+            elapsed,
+        );
         state.ledger.pass(&state.now, points, renderer.tools);
         for (tool, device) in memory.devices.iter_mut().enumerate() {
             let way = Vector3::from(positions[tool]) - device.position;
@@ -291,10 +298,9 @@ impl VirtualCoupling {
                 part.rigid.orientation = turned;
             }
             let entry = &mut state.ledger.devices[tool];
-            for (point, (touch, contact)) in points
-                .iter()
-                .zip(state.now.touches.iter().zip(&mut state.ledger.contacts))
-            {
+            for &number in state.now.nearby.recent() {
+                let (point, touch) = (&points[number], &state.now.touches[number]);
+                let contact = &mut state.ledger.contacts[number];
                 if let Some(sign) = point.sign_on(tool) {
                     let past = &touch.past;
                     let impulse = past.impulse.dot(&way) * sign;
@@ -323,7 +329,7 @@ impl VirtualCoupling {
         state: &mut Progress,
         memory: &VirtualCouplingMemory,
     ) -> Effort {
-        show_contacts(&mut state.contacts, &state.now);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.now);
         let devices = memory.devices.iter().zip(&self.couplings);
         let devices = devices.zip(&renderer.axes);
         for ((part, intended), ((device, coupling), axes)) in state

@@ -34,6 +34,7 @@ mod late_ticks;
 mod ledger;
 mod lines;
 mod local;
+mod many;
 mod meshes;
 mod migration;
 mod orientations;

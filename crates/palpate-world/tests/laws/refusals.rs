@@ -103,7 +103,7 @@ fn a_tool_that_is_a_hull_and_more_points_than_fit_are_refused() {
 
     let mut world = a_world();
     let ball = Shape::Sphere { radius: 0.01 };
-    for number in 0..12 {
+    for number in 0..362 {
         let free = Motion::Free(Free::of_mass(0.1));
         world
             .bodies
@@ -114,12 +114,15 @@ fn a_tool_that_is_a_hull_and_more_points_than_fit_are_refused() {
         .retain(|body| body.name != "block" && body.name != "shelf");
     world.contacts[0].between = [Party::Any, Party::Any];
     let refused = faults(&world, WorldLoop::new(0.001), BasicParams::default());
-    // 12 with the floor, 66 among each other, and the tool with all 13.
+    // 362 with the floor, 65 341 among each other, and the tool with all 363.
     assert!(
-        refused[0].to_string().contains("there are 91 points"),
+        refused[0].to_string().contains("there are 66066 points"),
         "{refused:?}"
     );
-    assert!(refused[0].to_string().contains("at most 64"), "{refused:?}");
+    assert!(
+        refused[0].to_string().contains("at most 65536"),
+        "{refused:?}"
+    );
 }
 
 #[test]

@@ -86,6 +86,16 @@ impl Candidate {
     }
 }
 
+impl Cylinders {
+    /// Returns the half-space of the second, if it is one: normal and offset in its axes `[m]`.
+    pub fn plane(&self) -> Option<(Vector3, f64)> {
+        match self.other {
+            Form::HalfSpace { own, .. } => Some((own.normal, own.offset)),
+            _ => None,
+        }
+    }
+}
+
 impl Form {
     pub fn flat(corners: Arc<Corners>) -> Self {
         Self::Flat(Flat::new(corners))

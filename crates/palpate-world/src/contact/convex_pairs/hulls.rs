@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Between, Found, PARALLEL, PREFERENCE, Plane};
-use crate::geometry::hull::{Corners, MAX_POINTS};
+use crate::geometry::hull::{Corners, MAX_CORNERS};
 use crate::geometry::rigid::{Rigid, Vector3};
 
 /// A hull in the world's axes.
@@ -34,7 +34,7 @@ struct Near {
 }
 
 /// Maximum number of edges: three per corner, minus six (Euler).
-const MAX_EDGES: usize = 3 * MAX_POINTS;
+const MAX_EDGES: usize = 3 * MAX_CORNERS;
 
 impl Near {
     fn none() -> Self {

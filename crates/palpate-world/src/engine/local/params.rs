@@ -1,6 +1,7 @@
 //! Parameters of a local model, and their checks.
 
-use crate::{MAX_POINTS, WorldError, WorldField, WorldPart};
+use super::super::pairs::MAX_PAIRS;
+use crate::{WorldError, WorldField, WorldPart};
 
 /// Capacity of a local model, and transitions between models.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,11 +55,11 @@ impl LocalParams {
                 format!("bodies is {given}, and at most {MAX_BODIES} are allowed"),
             );
         }
-        if !(1..=MAX_POINTS).contains(&self.contacts) {
+        if !(1..=MAX_PAIRS).contains(&self.contacts) {
             let given = self.contacts;
             fault(
                 WorldField::Contacts,
-                format!("contacts is {given}, and has to be 1 to {MAX_POINTS}"),
+                format!("contacts is {given}, and has to be 1 to {MAX_PAIRS}"),
             );
         }
         for (field, value) in [

@@ -3,7 +3,7 @@
 use super::build::Mesh;
 use crate::Vector;
 use crate::geometry::convex::hull;
-use crate::geometry::hull::MAX_POINTS;
+use crate::geometry::hull::MAX_CORNERS;
 use crate::geometry::rigid::{Rotation, Vector3};
 
 /// Spacing of the candidate positions on a triangle, relative to the mean distance between points.
@@ -60,7 +60,7 @@ impl PointShell {
 
     /// Number of points above which a shell is large. A tick evaluates all points of other shells in every sub-step.
     /// For large shells it evaluates only points that touch or may touch within a period, at most this number.
-    pub const MAX_ALWAYS: usize = MAX_POINTS;
+    pub const MAX_ALWAYS: usize = MAX_CORNERS;
 
     /// Distributes `points` points (at least 4) over a mesh. They include all corners of its convex hull, unless the
     /// hull has more corners than `points`: then half of the points are vertices. The remaining points fill the

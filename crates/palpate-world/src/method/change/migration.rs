@@ -2,6 +2,7 @@
 
 use super::Succession;
 use crate::WorldRenderer;
+use crate::dynamics::moving_body::Part;
 use crate::geometry::rigid::Vector3;
 use crate::method::Memory;
 use crate::method::state::{Progress, WorldState, body_state, show_contacts};
@@ -197,13 +198,14 @@ impl WorldRenderer {
         }
         state.guard.appeared(appeared);
         state.now.begin();
-        show_contacts(&mut state.contacts, &state.now);
+        show_contacts(&mut state.contacts, &mut state.shown, &state.now);
     }
 
     /// Evaluates the new elements at the current poses, and sums the loads of all elements on the bodies.
     fn evaluate_new(&self, state: &mut Progress, new: &New<'_>) {
         let Progress { now, room, .. } = state;
-        now.begin();
+        now.parts.iter_mut().for_each(Part::wake);
+        now.begin_everywhere();
         now.recollect();
         room.copy_from(now);
         room.look(&self.points);

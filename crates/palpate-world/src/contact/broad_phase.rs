@@ -1,0 +1,427 @@
+//! Pairs of tools and bodies that are near enough to touch within an interval: sweep and prune along one axis.
+
+use std::sync::Arc;
+
+use crate::contact::convex_pairs::Blocks;
+use crate::contact::islands::Joined;
+use crate::contact::pairs::Point;
+use crate::dynamics::moving_body::Part;
+use crate::geometry::rigid::{Rigid, Vector3};
+use crate::geometry::solid::Solid;
+
+/// A list of indices with a constant capacity, so a tick does not allocate.
+#[derive(Clone, Debug)]
+pub(crate) struct List {
+    items: Box<[usize]>,
+    count: usize,
+}
+
+impl List {
+    pub fn new(capacity: usize) -> Self {
+        Self {
+            items: vec![0; capacity].into(),
+            count: 0,
+        }
+    }
+
+    pub fn all(&self) -> &[usize] {
+        &self.items[..self.count]
+    }
+
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    pub fn sort(&mut self) {
+        self.items[..self.count].sort_unstable();
+    }
+
+    /// Adds an index. Returns whether there was room.
+    pub fn push(&mut self, item: usize) -> bool {
+        let has_room = self.count < self.items.len();
+        if has_room {
+            self.items[self.count] = item;
+            self.count += 1;
+        }
+        has_room
+    }
+
+    /// Copies `other`, which has the same capacity.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.items[..other.count].copy_from_slice(other.all());
+        self.count = other.count;
+    }
+}
+
+/// Two tools or bodies that can touch, with consecutive contact points.
+#[derive(Clone, Debug)]
+pub(crate) struct Pair {
+    pub parts: [usize; 2],
+    pub first_point: usize,
+    pub points: usize,
+    /// Index among the pairs of convex solids, if it is one.
+    pub blocks: Option<usize>,
+    /// Plane of the second, if it is a half-space: normal and offset in its axes `[m]`.
+    plane: Option<(Vector3, f64)>,
+    /// Whether it is near at any distance.
+    is_always_near: bool,
+}
+
+impl Pair {
+    pub fn numbers(&self) -> std::ops::Range<usize> {
+        self.first_point..self.first_point + self.points
+    }
+}
+
+/// All pairs of a world, by how the broad phase finds them.
+#[derive(Debug)]
+pub(crate) struct Pairs {
+    pub all: Vec<Pair>,
+    /// For each part, the later parts with which it forms a pair, in ascending order, and the indices of these pairs.
+    partners: Vec<Vec<(usize, usize)>>,
+    /// Pairs that are near at any distance.
+    always: Vec<usize>,
+    /// Pairs with an unbounded part.
+    unbounded: Vec<usize>,
+    /// Parts of the other pairs.
+    bounded: Vec<usize>,
+    /// Radius of each part's bounding sphere about its centre of mass `[m]`.
+    radii: Vec<f64>,
+    /// Half-extents of each part along its own axes; of a ball its radius `[m]`.
+    halves: Vec<Vector3>,
+}
+
+impl Pairs {
+    /// Groups the contact points of a world. `is_excluded`: points that are selected otherwise. `halves`: half-extents of
+    /// each tool and body along its own axes `[m]`.
+    pub fn new(
+        points: &[Point],
+        blocks: &[Blocks],
+        is_excluded: &[bool],
+        halves: Vec<Vector3>,
+    ) -> Self {
+        let parts = halves.len();
+        let mut radii = vec![0.0_f64; parts];
+        let mut all: Vec<Pair> = Vec::new();
+        let key = |point: &Point| {
+            let surface = match point.solid {
+                Solid::Mesh { surface, .. } => Some(surface),
+                _ => None,
+            };
+            ([point.first, point.second], surface)
+        };
+        for (number, point) in points.iter().enumerate() {
+            let reaches = [point.centre.norm() + point.radius, point.solid.reach()];
+            for (side, reach) in [point.first, point.second].into_iter().zip(reaches) {
+                radii[side] = radii[side].max(reach);
+            }
+            if is_excluded[number] {
+                continue;
+            }
+            let last = all.last_mut().filter(|last| {
+                last.numbers().end == number && key(&points[last.first_point]) == key(point)
+            });
+            if let Some(last) = last {
+                last.points += 1;
+                continue;
+            }
+            all.push(Pair {
+                parts: [point.first, point.second],
+                first_point: number,
+                points: 1,
+                blocks: match point.solid {
+                    Solid::Between { blocks, .. } => Some(blocks),
+                    _ => None,
+                },
+                plane: match point.solid {
+                    Solid::HalfSpace { normal, offset } => Some((normal, offset)),
+                    Solid::Between { blocks: of, .. } => blocks[of].plane(),
+                    _ => None,
+                },
+                // A mesh follows the side of a sphere in every sub-step; a held contact is at its method's discretion.
+                is_always_near: point.is_held || matches!(point.solid, Solid::Mesh { .. }),
+            });
+        }
+        let mut partners = vec![Vec::new(); parts];
+        let (mut always, mut unbounded) = (Vec::new(), Vec::new());
+        let mut is_bounded = vec![false; parts];
+        for (number, pair) in all.iter().enumerate() {
+            let [first, second] = pair.parts;
+            if pair.is_always_near {
+                always.push(number);
+            } else if pair.parts.iter().any(|&part| !radii[part].is_finite()) {
+                unbounded.push(number);
+            } else {
+                partners[first.min(second)].push((first.max(second), number));
+                (is_bounded[first], is_bounded[second]) = (true, true);
+            }
+        }
+        for partners in &mut partners {
+            partners.sort_unstable();
+        }
+        Self {
+            all,
+            partners,
+            always,
+            unbounded,
+            bounded: (0..parts).filter(|&part| is_bounded[part]).collect(),
+            radii,
+            halves,
+        }
+    }
+
+    fn is_ball(&self, part: usize) -> bool {
+        self.halves[part] == Vector3::repeat(self.radii[part])
+    }
+
+    /// Returns the radius of each part's bounding sphere `[m]`.
+    pub fn radii(&self) -> &[f64] {
+        &self.radii
+    }
+
+    fn between(&self, one: usize, other: usize) -> Option<usize> {
+        let partners = &self.partners[one.min(other)];
+        let found = partners.binary_search_by_key(&one.max(other), |(partner, _)| *partner);
+        found.ok().map(|place| partners[place].1)
+    }
+}
+
+/// Ratio of the speed that a part may reach within an interval to the largest one in its island: 2 by the push of a
+/// heavier part, and as much again where that turns it.
+const PUSHED: f64 = 4.0;
+/// Number of searches for pairs after which all candidates are near.
+const MAX_PASSES: usize = 16;
+
+/// Safety margin of the distance at which two parts stay apart within an interval, in addition to their approach `[m]`.
+pub(crate) const MARGIN: f64 = 2e-4;
+
+/// Selection of the near pairs.
+#[derive(Clone, Debug)]
+pub(crate) struct BroadPhase {
+    pub pairs: Arc<Pairs>,
+    /// Parts joined by near pairs.
+    pub joined: Joined,
+    /// Pairs that may be near (scratch buffer).
+    candidates: List,
+    /// Near pairs, in ascending order.
+    near: List,
+    is_near: Box<[bool]>,
+    /// The same before the last selection.
+    before: List,
+    was_near: Box<[bool]>,
+    /// Parts in the order of the lower ends of their extents along the swept axis.
+    order: Box<[usize]>,
+    /// Half-extents of each part along the world's axes `[m]`.
+    halves: Box<[Vector3]>,
+    /// Extent of each part along the swept axis `[m]`.
+    extents: Box<[[f64; 2]]>,
+}
+
+impl BroadPhase {
+    pub fn new(pairs: Pairs) -> Self {
+        Self {
+            joined: Joined::new(pairs.radii.len()),
+            candidates: List::new(pairs.all.len()),
+            near: List::new(pairs.all.len()),
+            is_near: vec![false; pairs.all.len()].into(),
+            before: List::new(pairs.all.len()),
+            was_near: vec![false; pairs.all.len()].into(),
+            order: pairs.bounded.clone().into(),
+            halves: pairs.halves.clone().into(),
+            extents: vec![[0.0; 2]; pairs.radii.len()].into(),
+            pairs: Arc::new(pairs),
+        }
+    }
+
+    /// Returns the near pairs, in ascending order.
+    pub fn near(&self) -> &[usize] {
+        self.near.all()
+    }
+
+    /// Returns whether a pair was near before the last selection.
+    pub fn was_near(&self, pair: usize) -> bool {
+        self.was_near[pair]
+    }
+
+    /// Copies the selection, without allocation.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.clear();
+        for &pair in other.near() {
+            Self::add(&mut self.near, &mut self.is_near, pair);
+        }
+        self.order.copy_from_slice(&other.order);
+    }
+
+    fn add(near: &mut List, is_near: &mut [bool], pair: usize) {
+        if !is_near[pair] {
+            is_near[pair] = true;
+            near.push(pair);
+        }
+    }
+
+    /// Begins a selection.
+    fn clear(&mut self) {
+        for &pair in self.before.all() {
+            self.was_near[pair] = false;
+        }
+        std::mem::swap(&mut self.near, &mut self.before);
+        std::mem::swap(&mut self.is_near, &mut self.was_near);
+        self.near.clear();
+    }
+
+    /// Selects only the pairs with a point that `touches`.
+    pub fn select_touching(&mut self, touches: impl Fn(usize) -> bool) {
+        self.clear();
+        for (number, pair) in self.pairs.all.iter().enumerate() {
+            if pair.is_always_near || pair.numbers().any(&touches) {
+                Self::add(&mut self.near, &mut self.is_near, number);
+            }
+        }
+    }
+
+    /// Selects the pairs with a point that `touches`, and those whose parts may touch within `h` `[s]`. Joins their parts,
+    /// and those of `links`.
+    pub fn select(
+        &mut self,
+        parts: &[Part],
+        links: &[[usize; 2]],
+        touches: impl Fn(usize) -> bool,
+        is_whole: bool,
+        h: f64,
+    ) {
+        let pairs = self.pairs.clone();
+        self.clear();
+        let fastest = self.joined.separate(parts, &pairs.radii, h);
+        for &[one, other] in links {
+            self.join(parts, one, other);
+        }
+        for place in 0..self.before.all().len() {
+            let number = self.before.all()[place];
+            if pairs.all[number].numbers().any(&touches) {
+                self.choose(parts, &pairs, number);
+            }
+        }
+        for &number in &pairs.always {
+            self.choose(parts, &pairs, number);
+        }
+        let reach = PUSHED * fastest * h + 0.5 * MARGIN;
+        self.candidates.clear();
+        for &number in &pairs.unbounded {
+            if !self.is_near[number] && self.gap(number, parts) <= 2.0 * reach {
+                self.candidates.push(number);
+            }
+        }
+        self.sweep(&pairs, parts, reach);
+        self.choose_candidates(parts, &pairs, is_whole, h);
+        self.near.sort();
+    }
+
+    fn join(&mut self, parts: &[Part], one: usize, other: usize) {
+        if !parts[one].is_fixed && !parts[other].is_fixed {
+            self.joined.join(one, other);
+        }
+    }
+
+    fn choose(&mut self, parts: &[Part], pairs: &Pairs, number: usize) {
+        Self::add(&mut self.near, &mut self.is_near, number);
+        let [one, other] = pairs.all[number].parts;
+        self.join(parts, one, other);
+    }
+
+    /// Selects the candidates that the parts of their islands bring together. A chosen pair makes an island faster, so
+    /// the search is repeated until none is chosen.
+    fn choose_candidates(&mut self, parts: &[Part], pairs: &Pairs, is_whole: bool, h: f64) {
+        let mut is_done = false;
+        let mut passes = 0;
+        while !is_done {
+            (is_done, passes) = (true, passes + 1);
+            for place in 0..self.candidates.all().len() {
+                let number = self.candidates.all()[place];
+                if self.is_near[number] {
+                    continue;
+                }
+                let speeds = pairs.all[number].parts.map(|part| self.joined.speed(part));
+                let reach = PUSHED * h * (speeds[0] + speeds[1]) + MARGIN;
+                // Not reached if a speed is not a number, which the tick reports.
+                if self.gap(number, parts) <= reach || passes > MAX_PASSES || is_whole {
+                    self.choose(parts, pairs, number);
+                    is_done = false;
+                }
+            }
+        }
+    }
+
+    /// Returns a lower bound of the distance of the two parts of a pair `[m]`.
+    fn gap(&self, number: usize, parts: &[Part]) -> f64 {
+        let pair = &self.pairs.all[number];
+        let [one, other] = pair.parts;
+        let [first, second] = pair.parts.map(|part| &parts[part].rigid);
+        let apart = first.position - second.position;
+        let Some((normal, offset)) = pair.plane else {
+            let between_boxes = apart.abs() - self.halves[one] - self.halves[other];
+            let between_balls = apart.norm() - self.pairs.radii[one] - self.pairs.radii[other];
+            return between_boxes.max().max(between_balls);
+        };
+        let normal = second.orientation * normal;
+        let reach = if self.pairs.is_ball(one) {
+            self.pairs.radii[one]
+        } else {
+            let own = first.orientation.inverse_transform_vector(&normal);
+            own.abs().dot(&self.pairs.halves[one])
+        };
+        normal.dot(&apart) - offset - reach
+    }
+
+    /// Adds the pairs of bounded parts that are nearer than twice the `reach` `[m]`.
+    fn sweep(&mut self, pairs: &Pairs, parts: &[Part], reach: f64) {
+        let places = || self.order.iter().map(|&part| &parts[part].rigid.position);
+        let mut bounds = [
+            Vector3::repeat(f64::INFINITY),
+            Vector3::repeat(f64::NEG_INFINITY),
+        ];
+        for place in places() {
+            bounds = [bounds[0].inf(place), bounds[1].sup(place)];
+        }
+        let axis = (bounds[1] - bounds[0]).imax();
+        for &part in &self.order {
+            let Rigid {
+                position,
+                orientation,
+                ..
+            } = &parts[part].rigid;
+            if !pairs.is_ball(part) {
+                let turned = orientation.to_rotation_matrix().into_inner().abs();
+                self.halves[part] = turned * pairs.halves[part];
+            }
+            let half = self.halves[part][axis] + reach;
+            self.extents[part] = [position[axis] - half, position[axis] + half];
+        }
+        // The order hardly changes from one interval to the next.
+        for end in 1..self.order.len() {
+            let mut place = end;
+            while place > 0 && self.low(place) < self.low(place - 1) {
+                self.order.swap(place, place - 1);
+                place -= 1;
+            }
+        }
+        for place in 0..self.order.len() {
+            let one = self.order[place];
+            let high = self.extents[one][1];
+            for &other in &self.order[place + 1..] {
+                if self.extents[other][0] > high {
+                    break;
+                }
+                if let Some(pair) = pairs.between(one, other)
+                    && !self.is_near[pair]
+                    && self.gap(pair, parts) <= 2.0 * reach
+                {
+                    self.candidates.push(pair);
+                }
+            }
+        }
+    }
+
+    fn low(&self, place: usize) -> f64 {
+        self.extents[self.order[place]][0]
+    }
+}
