@@ -36,7 +36,10 @@ impl WorldRows {
         self.contacts.clear();
         let ledger = &state.ledger().contacts;
         for &number in state.near_contacts() {
-            let (contact, entry) = (&state.contacts()[number], &ledger[number]);
+            let (Some(contact), Some(entry)) = (state.contacts().get(number), ledger.get(number))
+            else {
+                continue;
+            };
             if contact.mode == Mode::Free || self.contacts.len() == self.contacts.capacity() {
                 continue;
             }
