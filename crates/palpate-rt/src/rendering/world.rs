@@ -55,6 +55,8 @@ pub struct RenderedWorld {
     holds_lines: bool,
     /// Whether each device has a line that its driver has not reported.
     is_new: Vec<bool>,
+    /// Whether the last reported line of each device ends with a force.
+    has_force: Vec<bool>,
     limited: Limited,
     created: CreatedEnergy,
     rows: WorldRows,
@@ -103,6 +105,7 @@ impl RenderedWorld {
             acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
             holds_lines: actuation.hold == Hold::Line,
             is_new: vec![false; tools],
+            has_force: vec![false; tools],
             method,
             names: world.tools.iter().map(|tool| tool.name.clone()).collect(),
             positions: vec![[0.0; 3]; tools],
@@ -162,6 +165,9 @@ impl RenderedWorld {
         let Some(frame) = self.frames.get(device) else {
             return;
         };
+        if let Some(has_force) = self.has_force.get_mut(device) {
+            *has_force = line.end().force != [0.0; 3];
+        }
         let (mean, slope) = (
             frame.of_device(line.wrench.force),
             frame.of_device(line.slope),
@@ -246,8 +252,12 @@ impl Renders for RenderedWorld {
 
     fn report_written(&mut self, device: usize, held: Line, sent: Option<Line>) {
         let is_new = self.is_new.get_mut(device).is_some_and(std::mem::take);
-        // Without a new sample the force stays at the end of its line, which is part of the model.
+        // Without a new sample the force stays at the end of its line, which is part of the model, or is cut.
         if self.holds_lines && !is_new {
+            let had_force = self.has_force.get(device) == Some(&true);
+            if had_force && held.wrench.force == [0.0; 3] {
+                self.report(device, Line::NONE);
+            }
             return;
         }
         let sent = if self.acts_at_once {

@@ -9,7 +9,10 @@ use palpate_device::{
 };
 use palpate_record::recording::{Row, Tick};
 use palpate_rt::safety::{Rendered, Safety, SafetyParams, SafetyStop};
-use palpate_rt::{BoundedWorld, ControlLoop, RenderedWorld, SetupError, WorldFrame};
+use palpate_rt::{
+    BoundedWorld, ControlLoop, DeviceSample, DeviceSamples, RenderedWorld, Renders, SetupError,
+    WorldFrame,
+};
 use palpate_scene::method::MethodName;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_scene::{Delay, Scene};
@@ -311,6 +314,50 @@ fn a_force_cut_without_a_sample_does_no_work_in_the_ledger() {
         line.abs() < 0.2 * not_cut && constant.abs() < 0.2 * not_cut,
         "{not_cut} J"
     );
+}
+
+/// The same for a world: after the cut, the device moves without work.
+#[test]
+fn a_force_of_a_world_cut_without_a_sample_does_no_work_in_the_ledger() {
+    let scene = line_world("groove-90-rough.toml", "");
+    let work_after = |cut: bool| {
+        let renderer = scene.renderer("coupled").unwrap();
+        let frame = WorldFrame::the_same();
+        let mut world = RenderedWorld::new(&scene.world, renderer, "coupled", frame).unwrap();
+        let mut asked = [Line::NONE];
+        let mut step = |world: &mut RenderedWorld, elapsed, height| {
+            let position = [0.0, 0.0, height];
+            let sample = DeviceSample {
+                position,
+                ..DeviceSample::default()
+            };
+            let samples = DeviceSamples {
+                elapsed,
+                was_off: false,
+                devices: &[sample],
+            };
+            assert_eq!(world.step(&samples, &mut asked).fault, None);
+            asked[0]
+        };
+        let mut force: f64 = 0.0;
+        for sample in 0..5 {
+            let height = 0.0002 - 0.0004 * f64::from(sample);
+            let line = step(&mut world, (sample > 0).then_some(0.001), height);
+            force = line.wrench.force[2];
+            world.report_written(0, line, None);
+        }
+        if cut {
+            // No sample, and no force any more.
+            world.report_written(0, Line::NONE, None);
+        }
+        let work = world.state().ledger().devices[0].port_work;
+        step(&mut world, Some(0.004), 0.0);
+        let done = world.state().ledger().devices[0].port_work - work;
+        (done, force)
+    };
+    let [(kept, force), (cut, _)] = [false, true].map(work_after);
+    println!("kept {kept} J, cut {cut} J under {force} N");
+    assert!(force > 1.0 && cut.abs() < 0.1 * kept.abs(), "{kept} {cut}");
 }
 
 #[test]
