@@ -167,7 +167,10 @@ fn what_makes_no_sense_is_refused() {
             "run wall.toml --device inverse3 --service wss://localhost:1",
             "only ws:// is supported",
         ),
-        ("run wall.toml --reconnect", "haply-2diy and inverse3"),
+        (
+            "run wall.toml --reconnect",
+            "haply-2diy, inverse3, process and udp",
+        ),
         (
             "devices emulate inverse3 --fault stall@1",
             "KIND=SECONDS@SECONDS",

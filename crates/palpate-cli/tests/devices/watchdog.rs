@@ -483,7 +483,7 @@ fn a_watchdog_is_for_devices_that_hold_their_force_and_no_command_of_a_user() {
     folder.fail(
         "run wall.toml --fast --watchdog on",
         2,
-        &["--watchdog", "--device haply-2diy"],
+        &["--watchdog", "haply-2diy, process and udp"],
     );
     folder.fail("watchdog", 1, &["socket of a loop", "palpate run"]);
     let doctor = parse(&folder.succeed("doctor --priority 0 --json"));

@@ -510,11 +510,10 @@ fn a_cell_of_the_map_and_an_advice_agree_on_what_stays() {
                 let (Some(advised), Some(mapped)) = (advised, mapped) else {
                     continue;
                 };
-                // The JSON reader is sometimes off by the last bit.
-                assert!(
-                    (advised - mapped).abs() <= 1e-15 * mapped,
-                    "{asked}: {line}"
-                );
+                // The JSON reader is sometimes off by the last bit. An advice also taps the pressed contact.
+                let off = (advised - mapped) / mapped;
+                let is_tapped = key == "pressed_swing" && off > 0.0;
+                assert!(is_tapped || off.abs() <= 1e-15, "{asked}: {line}");
                 compared += 1;
             }
         }

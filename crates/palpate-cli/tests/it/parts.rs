@@ -109,7 +109,7 @@ fn a_trace_that_is_too_long_is_refused_as_soon_as_that_shows() {
             "standard input: the trace continues for more than 2000000 periods (2.00 s)",
             &format!("after its first sample at {first}; at most 2000000 are allowed"),
             "--from and --to",
-            "--period",
+            "longer period",
         ] {
             assert!(said.contains(words), "no {words:?} in {said}");
         }
