@@ -101,7 +101,8 @@ impl Pairs {
         halves: Vec<Vector3>,
     ) -> Self {
         let parts = halves.len();
-        let mut radii = vec![0.0_f64; parts];
+        // A part without contact points also has an extent: its rotation moves its surface.
+        let mut radii: Vec<f64> = halves.iter().map(|half| half.max()).collect();
         let mut all: Vec<Pair> = Vec::new();
         let key = |point: &Point| {
             let surface = match point.solid {

@@ -41,6 +41,7 @@ mod orientations;
 mod pressed;
 mod refusals;
 mod resting;
+mod settling;
 mod six_axes;
 mod tumbling;
 mod turned_by_hand;

@@ -1,0 +1,72 @@
+//! Which bodies come to rest, and when.
+
+use palpate_world::{
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Joint, JointKind, JointLaw,
+    Motion, Party, Sample, Shape, World, WorldLoop, WorldMethod, WorldRenderer,
+};
+
+use crate::common::{FAR, ball, world};
+
+const RADIUS: f64 = 0.02;
+
+/// Adds balls without a force, so that the world is not one island.
+fn among_others(mut bodies: Vec<Body>) -> Vec<Body> {
+    for number in 0..5 {
+        let at = [1.0 + f64::from(number), 0.0, 1.0];
+        bodies.push(ball(&format!("ball {number}"), RADIUS, Free::of_mass(0.05)).at(at));
+    }
+    bodies
+}
+
+fn start(world: &World, method: WorldMethod) -> WorldRenderer {
+    WorldRenderer::new(world, WorldLoop::new(0.001), method).unwrap()
+}
+
+#[test]
+fn a_spinning_body_without_contact_laws_goes_on() {
+    let can = Shape::Cylinder {
+        radius: 0.03,
+        half_length: 0.02,
+    };
+    let free = Free {
+        angular_velocity: [0.0, 0.0, 10.0],
+        ..Free::of_mass(0.1)
+    };
+    let can = Body::new("can", can, Motion::Free(free));
+    let hinge = Joint {
+        body: "can".into(),
+        against: None,
+        kind: JointKind::Hinge,
+        point: [0.0; 3],
+        axis: [0.0, 0.0, 1.0],
+        law: JointLaw::new(1e4, 0.03),
+    };
+    for joints in [Vec::new(), vec![hinge]] {
+        let world = World {
+            joints,
+            contacts: vec![Contact {
+                between: [Party::Named("tool".into()), Party::Named("ball 0".into())],
+                law: ContactLaw::spring(1000.0),
+            }],
+            ..world(
+                0.005,
+                among_others(vec![can.clone()]),
+                ContactLaw::spring(1000.0),
+            )
+        };
+        for method in [
+            BasicParams::default().into(),
+            CoupledParams::new(vec![[0.1; 3]]).into(),
+        ] {
+            let renderer = start(&world, method);
+            let mut state = renderer.start();
+            for _ in 0..300 {
+                let _ = renderer.step(&mut state, &Sample::at(&[FAR]));
+            }
+            let [_, _, turning] = state.bodies()[0].angular_velocity;
+            let error = state.ledger().bodies[0].step_error;
+            assert!((turning - 10.0).abs() < 1e-9, "{turning} rad/s");
+            assert!(error.abs() < 1e-12, "{error} J");
+        }
+    }
+}
