@@ -179,7 +179,7 @@ pub(crate) fn advance(
             continue;
         }
         moving.elapsed = 0.0;
-        moving.wake();
+        moving.wake(has_tool);
         let fastest = fastest(moving, &mut before.rates, points, h);
         let passed = integrate(moving, before, points, fastest, sub_steps, MAX_TIMES, h);
         if !has_tool && !passed.unstable {

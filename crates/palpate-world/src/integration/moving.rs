@@ -180,11 +180,11 @@ impl Moving {
         }
     }
 
-    /// Wakes the bodies of the selected islands.
-    pub fn wake(&mut self) {
+    /// Wakes the bodies of the selected island. With a tool, their time to rest restarts.
+    pub fn wake(&mut self, has_tool: bool) {
         for &number in self.nearby.parts() {
             let part = &mut self.parts[number];
-            if part.rests {
+            if part.rests || has_tool {
                 part.wake();
             }
         }

@@ -5,7 +5,7 @@ use palpate_world::{
     Motion, Party, Sample, Shape, World, WorldLoop, WorldMethod, WorldRenderer,
 };
 
-use crate::common::{FAR, ball, world};
+use crate::common::{FAR, ball, plane, world};
 
 const RADIUS: f64 = 0.02;
 
@@ -69,4 +69,40 @@ fn a_spinning_body_without_contact_laws_goes_on() {
             assert!(error.abs() < 1e-12, "{error} J");
         }
     }
+}
+
+/// A ball that slides on a floor more slowly than a rest allows. A tool passes near it, without a force.
+#[test]
+fn the_time_to_rest_starts_anew_after_a_tool_was_near() {
+    const WEIGHT: f64 = 0.5;
+    const STIFFNESS: f64 = 4000.0;
+    let free = Free {
+        velocity: [5e-7, 0.0, 0.0],
+        ..Free::of_mass(0.05).pulled_by([0.0, 0.0, -WEIGHT])
+    };
+    let slides = ball("slides", RADIUS, free).at([0.0, 0.0, RADIUS - WEIGHT / STIFFNESS]);
+    let bodies = among_others(vec![slides, plane("floor", [0.0, 0.0, 1.0])]);
+    let world = world(0.005, bodies, ContactLaw::spring(STIFFNESS));
+    let renderer = start(&world, BasicParams::default().into());
+    let mut state = renderer.start();
+    // Gap between tool and ball [m]: far, approach, near, withdrawal, far.
+    let gap = |sample: usize| match sample {
+        0..60 => 0.03,
+        60..90 => 0.03 - 0.001 * (sample - 60) as f64,
+        90..300 => 1e-4,
+        300..330 => 0.001 * (sample - 300) as f64,
+        _ => 0.03,
+    };
+    let mut stopped = None;
+    for sample in 0..500 {
+        let tool = [0.0, 0.0, 2.0 * RADIUS + 0.005 + gap(sample).max(1e-4)];
+        let output = renderer.step(&mut state, &Sample::at(&[tool]));
+        assert_eq!((output.fault, output.forces[0]), (None, [0.0; 3]));
+        if state.bodies()[0].velocity == [0.0; 3] {
+            stopped = stopped.or(Some(sample));
+        }
+    }
+    let stopped = stopped.expect("the ball rests at last");
+    println!("the ball stops at sample {stopped}");
+    assert!((400..440).contains(&stopped), "{stopped}");
 }
