@@ -109,6 +109,8 @@ pub(crate) struct Part {
     pub way: f64,
     /// Upper bound of its rotation since the interval began `[rad]`.
     pub turned: f64,
+    /// Whether a contact or a joint supported it at the end of the interval (scratch value).
+    pub is_supported: bool,
     /// Time for which its island has hardly moved `[s]`.
     pub still_for: f64,
     /// Whether it is at rest: its pose and the forces of its contacts do not change.
@@ -140,6 +142,7 @@ impl Part {
             turning_error: 0.0,
             way: 0.0,
             turned: 0.0,
+            is_supported: false,
             still_for: 0.0,
             rests: false,
             is_settled: false,
@@ -183,12 +186,12 @@ impl Part {
 
     /// Returns whether it moves and accelerates by less than a rest allows; without a support not at all. `radius`: that of
     /// its bounding sphere `[m]`.
-    pub fn is_still(&self, is_supported: bool, radius: f64) -> bool {
+    pub fn is_still(&self, radius: f64) -> bool {
         let acceleration = self.drive.acceleration + self.mobility.acceleration(&self.force);
         let turned = self.turning(&self.torque);
         let speed = self.rigid.velocity.norm() + self.twist.turning.norm() * radius;
         let change = acceleration.norm() + turned.norm() * radius;
-        if is_supported {
+        if self.is_supported {
             speed <= MAX_REST_SPEED && change <= MAX_REST_ACCELERATION
         } else {
             speed == 0.0 && change == 0.0

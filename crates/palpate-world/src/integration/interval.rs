@@ -183,7 +183,7 @@ pub(crate) fn advance(
         let fastest = fastest(moving, &mut before.rates, points, h);
         let passed = integrate(moving, before, points, fastest, sub_steps, MAX_TIMES, h);
         if !has_tool && !passed.unstable {
-            moving.settle_down(h);
+            moving.settle_down(points, h);
         }
         effort = effort.beside(passed);
     }

@@ -191,12 +191,11 @@ impl Moving {
     }
 
     /// Lets the bodies of the selected island rest, if they were all still for long enough, now for another `h` `[s]`.
-    pub fn settle_down(&mut self, h: f64) {
-        let is_supported =
-            !(self.nearby.numbers().is_empty() && self.nearby.islands.all(Kind::Links).is_empty());
+    pub fn settle_down(&mut self, points: &[Point], h: f64) {
+        self.find_supported(points);
         let radii = self.nearby.broad.pairs.radii();
         let mut parts = self.nearby.parts().iter();
-        let are_still = parts.all(|&part| self.parts[part].is_still(is_supported, radii[part]));
+        let are_still = parts.all(|&part| self.parts[part].is_still(radii[part]));
         let mut rest = are_still;
         for &number in self.nearby.parts() {
             let part = &mut self.parts[number];
@@ -214,6 +213,26 @@ impl Moving {
         }
         for &number in self.nearby.islands.all(Kind::Links) {
             self.links[number].rest();
+        }
+    }
+
+    /// Finds the bodies of the selected island that a contact or a joint supports.
+    fn find_supported(&mut self, points: &[Point]) {
+        for &number in self.nearby.parts() {
+            self.parts[number].is_supported = false;
+        }
+        for &number in self.nearby.numbers() {
+            if !self.touches[number].is_apart() {
+                for side in [points[number].first, points[number].second] {
+                    self.parts[side].is_supported = true;
+                }
+            }
+        }
+        for &number in self.nearby.islands.all(Kind::Links) {
+            let link = &self.links[number];
+            for side in [Some(link.first), link.second].into_iter().flatten() {
+                self.parts[side].is_supported = true;
+            }
         }
     }
 

@@ -106,3 +106,36 @@ fn the_time_to_rest_starts_anew_after_a_tool_was_near() {
     println!("the ball stops at sample {stopped}");
     assert!((400..440).contains(&stopped), "{stopped}");
 }
+
+#[test]
+fn a_body_that_nothing_touches_starts_from_rest_however_near_the_next_one() {
+    let force = 8e-6;
+    let of_mass = |mass| Free::of_mass(mass).pulled_by([0.0, 0.0, force * mass]);
+    let near = 2.0 * RADIUS + 1e-4;
+    let bodies = vec![
+        ball("drifts", RADIUS, of_mass(0.05)).at([0.0, 0.0, near]),
+        Body::new("fixed", Shape::Sphere { radius: RADIUS }, Motion::Fixed),
+        // Another one, next to a ball that lies on a floor.
+        ball("drifts too", RADIUS, of_mass(0.05)).at([0.5, 0.0, -0.98 + near]),
+        ball(
+            "lies",
+            RADIUS,
+            Free::of_mass(0.05).pulled_by([0.0, 0.0, -4e-6]),
+        )
+        .at([0.5, 0.0, -0.98 - 1e-9]),
+        plane("floor", [0.0, 0.0, 1.0]).at([0.0, 0.0, -1.0]),
+    ];
+    let world = world(0.005, among_others(bodies), ContactLaw::spring(4000.0));
+    let renderer = start(&world, BasicParams::default().into());
+    let mut state = renderer.start();
+    for _ in 0..301 {
+        let _ = renderer.step(&mut state, &Sample::at(&[FAR]));
+    }
+    for body in [0, 2] {
+        let speed = state.bodies()[body].velocity[2];
+        assert!(
+            (speed / (0.3 * force) - 1.0).abs() < 1e-6,
+            "{body}: {speed} m/s"
+        );
+    }
+}
