@@ -275,7 +275,7 @@ fn with_a_constant_hand_the_leak_is_its_force_times_the_offset() {
             entry.held.abs()
         );
         assert!(
-            (leak - model).abs() < 5e-6 * entry.held.abs() && leak.abs() > 1e-5 * entry.held.abs(),
+            (leak - model).abs() < 2e-6 * entry.held.abs() && leak.abs() > 1e-5 * entry.held.abs(),
             "{leak} {model}"
         );
     }
