@@ -317,6 +317,33 @@ impl BroadPhase {
         self.near.sort();
     }
 
+    /// Returns whether a pair that is near at any distance is too distant to touch within `h` `[s]`.
+    pub fn is_distant(&mut self, number: usize, parts: &[Part], h: f64) -> bool {
+        let Pair {
+            parts: sides,
+            plane,
+            is_always_near,
+            ..
+        } = self.pairs.all[number];
+        if !is_always_near {
+            return false;
+        }
+        let gap = if plane.is_some() {
+            self.gap(number, parts)
+        } else {
+            let [first, second] = sides.map(|part| parts[part].rigid.position);
+            let [one, other] = sides.map(|part| self.pairs.radii[part]);
+            (first - second).norm() - one - other
+        };
+        gap > self.reach(sides, h)
+    }
+
+    /// Returns the distance at which two parts stay apart within `h` `[s]` `[m]`.
+    fn reach(&mut self, sides: [usize; 2], h: f64) -> f64 {
+        let [one, other] = sides.map(|part| self.joined.speed(part));
+        PUSHED * h * (one + other) + MARGIN
+    }
+
     fn join(&mut self, parts: &[Part], one: usize, other: usize) {
         if !parts[one].is_fixed && !parts[other].is_fixed {
             self.joined.join(one, other);
@@ -341,8 +368,7 @@ impl BroadPhase {
                 if self.is_near[number] {
                     continue;
                 }
-                let speeds = pairs.all[number].parts.map(|part| self.joined.speed(part));
-                let reach = PUSHED * h * (speeds[0] + speeds[1]) + MARGIN;
+                let reach = self.reach(pairs.all[number].parts, h);
                 // Not reached if a speed is not a number, which the tick reports.
                 if self.gap(number, parts) <= reach || passes > MAX_PASSES || is_whole {
                     self.choose(parts, pairs, number);

@@ -216,7 +216,7 @@ impl Nearby {
     /// Activates all touching points, after an external change.
     pub fn recollect(&mut self, touches: impl Fn(usize) -> bool) {
         self.broad.select_touching(&touches);
-        self.take_pairs(&touches);
+        self.take_pairs(&touches, |_, _| false);
         let mut found = Found::new();
         for &number in self.patches.iter().flat_map(|patch| &patch.numbers) {
             if touches(number) {
@@ -253,24 +253,30 @@ impl Nearby {
         islands.distribute(Kind::Blocks, blocks);
     }
 
-    /// Activates the points of the near pairs, if there are too many those of touching ones first.
-    fn take_pairs(&mut self, touches: impl Fn(usize) -> bool) {
+    /// Activates the points of the near pairs. If there are too many, touching pairs come first, and pairs too distant
+    /// to touch within the interval last.
+    fn take_pairs(
+        &mut self,
+        touches: impl Fn(usize) -> bool,
+        is_distant: impl Fn(&mut BroadPhase, usize) -> bool,
+    ) {
         let pairs = self.broad.pairs.clone();
-        let near = || self.broad.near().iter().copied();
         self.numbers.clear();
         self.fresh.clear();
-        let total: usize = near().map(|pair| pairs.all[pair].points).sum();
+        let near = self.broad.near().iter();
+        let total: usize = near.map(|&pair| pairs.all[pair].points).sum();
         let is_crowded = total > MAX_POINTS;
         let mut left = MAX_POINTS;
-        for is_touching in [true, false] {
-            for number in near() {
+        for turn in 0..if is_crowded { 3 } else { 1 } {
+            for place in 0..self.broad.near().len() {
+                let number = self.broad.near()[place];
                 let pair = &pairs.all[number];
-                let is_due = if is_crowded {
-                    pair.numbers().any(&touches) == is_touching
+                let own_turn = if !is_crowded || pair.numbers().any(&touches) {
+                    0
                 } else {
-                    is_touching
+                    1 + u8::from(is_distant(&mut self.broad, number))
                 };
-                if !is_due || pair.points > left {
+                if own_turn != turn || pair.points > left {
                     continue;
                 }
                 left -= pair.points;
@@ -328,7 +334,7 @@ impl Nearby {
             }
         }
         self.broad.select(parts, &self.links, &touches, is_whole, h);
-        self.take_pairs(&touches);
+        self.take_pairs(&touches, |broad, pair| broad.is_distant(pair, parts, h));
         for patch in self.patches.iter() {
             let Some(any) = patch.numbers.first().map(|&number| &points[number]) else {
                 continue;

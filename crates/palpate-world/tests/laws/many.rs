@@ -1,8 +1,10 @@
 //! Worlds with many bodies and contact points.
 
+use std::sync::Arc;
+
 use palpate_world::{
-    BasicParams, Body, ContactLaw, CoupledParams, Free, HfcrParams, MAX_POINTS, Motion, Party,
-    Sample, Shape, Vector, World, WorldLoop, WorldMethod, WorldRenderer, WorldState,
+    BasicParams, Body, ContactLaw, CoupledParams, Free, HfcrParams, Hull, MAX_POINTS, Motion,
+    Party, Sample, Shape, Vector, World, WorldLoop, WorldMethod, WorldRenderer, WorldState,
 };
 
 use crate::balance::{Balance, of_bodies};
@@ -113,6 +115,33 @@ fn near_points_beyond_the_capacity_are_counted_and_touching_ones_stay() {
     let held = state.bodies()[1..].iter();
     let held = held.filter(|body| body.velocity[2] > -0.01).count();
     assert_eq!(held, MAX_POINTS / 8);
+}
+
+/// A sphere and a hull are near at any distance, so 100 cubes have 400 points with the tool and 800 with the floor.
+#[test]
+fn distant_meshes_leave_their_room_to_near_contacts() {
+    let corners =
+        (0..8_u8).map(|corner| [0, 1, 2].map(|axis| f64::from(corner >> axis & 1) * 0.04 - 0.02));
+    let corners: Vec<Vector> = corners.collect();
+    let hull = Shape::Hull(Arc::new(Hull::around(&corners).unwrap()));
+    let mut bodies = vec![plane("floor", [0.0, 0.0, 1.0])];
+    for number in 0..100 {
+        let (row, place) = (f64::from(number / 10), f64::from(number % 10));
+        let cube = Body::new(
+            format!("cube {number}"),
+            hull.clone(),
+            Motion::Free(heavy()),
+        );
+        bodies.push(cube.at([0.1 * place, 0.1 * row, 0.02 + 1e-6]));
+    }
+    let (renderer, mut state) = start(&world(0.005, bodies, law()), BasicParams::default());
+    for _ in 0..20 {
+        let output = renderer.step(&mut state, &Sample::at(&[FAR]));
+        assert_eq!(output.fault, None);
+    }
+    for body in &state.bodies()[1..] {
+        assert!(body.velocity[2] > -0.01, "{:?}", body.velocity);
+    }
 }
 
 /// A device that presses a tool down on a ball and moves it across, the same for every world.
