@@ -152,12 +152,11 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
             {
                 collected.add_spheres_on_solid([one, other], numbers, law);
             }
+            collected.drop_too_many();
         }
     }
-    let in_patches = collected.in_patches;
-    let possible = collected.points.len() - in_patches;
-    collected.check_count(possible, "", MAX_POSSIBLE_POINTS);
-    collected.check_count(in_patches, " of large shells", MAX_SHELL_POINTS);
+    collected.check_count(collected.possible(), "", MAX_POSSIBLE_POINTS);
+    collected.check_count(collected.in_patches, " of large shells", MAX_SHELL_POINTS);
     for point in &mut collected.points {
         set_levers(point, mobilities);
     }
@@ -221,8 +220,10 @@ struct Collected {
     blocks: Vec<Blocks>,
     /// Points of large shells.
     patches: Vec<Patch>,
-    /// Number of points of large shells.
+    /// Number of points of large shells, including dropped ones.
     in_patches: usize,
+    /// Number of dropped points.
+    dropped: usize,
     /// Faults of pairs that cannot be rendered.
     faults: Vec<WorldError>,
 }
@@ -329,6 +330,22 @@ impl Collected {
                 self.faults.push(no_corners(first, other, reason));
             }
             None => self.faults.push(no_contact(one, other)),
+        }
+    }
+
+    /// Returns the number of points outside large shells, including dropped ones.
+    fn possible(&self) -> usize {
+        self.dropped + self.points.len() - self.in_patches
+    }
+
+    /// Drops all contacts if they are too many. The world is then refused, and only their number matters.
+    fn drop_too_many(&mut self) {
+        if self.possible() > MAX_POSSIBLE_POINTS || self.in_patches > MAX_SHELL_POINTS {
+            self.dropped += self.points.len();
+            self.points.clear();
+            self.surfaces.clear();
+            self.blocks.clear();
+            self.patches.clear();
         }
     }
 
