@@ -189,33 +189,28 @@ impl EnergyLedger {
             + joints.map(|entry| entry.dissipated).sum::<f64>()
     }
 
-    /// Adds the ledgers of removed elements of `old`, those without a successor, to [`gone`](Self::gone). Returns the
-    /// energy stored in them `[J]`.
+    /// Adds the ledgers of removed elements of `old` to [`gone`](Self::gone), given their indices. Returns the energy
+    /// stored in them `[J]`.
     pub(crate) fn take_leave(
         &mut self,
         old: &Self,
-        contacts: &[Option<usize>],
-        bodies: &[Option<usize>],
-        joints: &[Option<usize>],
+        contacts: impl Iterator<Item = usize>,
+        bodies: impl Iterator<Item = usize>,
+        joints: impl Iterator<Item = usize>,
     ) -> f64 {
-        let is_gone = |from: &[Option<usize>], number| !from.contains(&Some(number));
         let mut stored = 0.0;
-        for (number, entry) in old.contacts.iter().enumerate() {
-            if is_gone(contacts, number) {
-                stored += entry.stored;
-                self.gone.add_contact(entry);
-            }
+        for number in contacts {
+            let entry = &old.contacts[number];
+            stored += entry.stored;
+            self.gone.add_contact(entry);
         }
-        for (number, entry) in old.bodies.iter().enumerate() {
-            if is_gone(bodies, number) {
-                self.gone.add_body(entry);
-            }
+        for number in bodies {
+            self.gone.add_body(&old.bodies[number]);
         }
-        for (number, entry) in old.joints.iter().enumerate() {
-            if is_gone(joints, number) {
-                stored += entry.stored;
-                self.gone.add_joint(entry);
-            }
+        for number in joints {
+            let entry = &old.joints[number];
+            stored += entry.stored;
+            self.gone.add_joint(entry);
         }
         stored
     }
@@ -285,8 +280,8 @@ impl CreatedAtPorts {
     }
 
     /// Updates the sum at a sample. `contacts`: index of each contact with a changed entry, the energy that it generated,
-    /// and the fraction of its force that reached the device since the last sample. `ports`: work at the ports. `others`: energy generated otherwise,
-    /// with its `part` `[J]`.
+    /// and the fraction of its force that reached the device since the last sample. `ports`: work at the ports.
+    /// `others`: energy generated otherwise, with its `part` `[J]`.
     pub fn close(
         &mut self,
         contacts: impl Iterator<Item = (usize, f64, f64)>,

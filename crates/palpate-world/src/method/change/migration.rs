@@ -29,7 +29,7 @@ impl New<'_> {
     }
 
     fn has_point(&self, number: usize, parts: [usize; 2]) -> bool {
-        self.is_new(|from| &from.points, number, parts)
+        self.is_new(|from| &from.points.each, number, parts)
     }
 
     fn has_surface(&self, number: usize, parts: [usize; 2]) -> bool {
@@ -42,7 +42,7 @@ impl New<'_> {
 
     fn has_joint(&self, number: usize) -> bool {
         match self {
-            Self::Since(from) => from.joints[number].is_none(),
+            Self::Since(from) => from.joints.each[number].is_none(),
             // A joint force depends only on the poses of its bodies, so re-evaluation is safe.
             Self::Body(_) => true,
         }
@@ -89,7 +89,7 @@ impl WorldRenderer {
         self.carry_links(new, old, succession);
         self.settle(new, &New::Since(succession));
         if is_same_method {
-            let points = &succession.points;
+            let points = &succession.points.each;
             state.memory.goes_on_from(&past.memory, points);
             state.progress.tools.copy_from_slice(&past.progress.tools);
         } else if state.progress.tracking.in_progress {
@@ -122,7 +122,7 @@ impl WorldRenderer {
                 None => {}
             }
         }
-        let touches = new.now.touches.iter_mut().zip(&succession.points);
+        let touches = new.now.touches.iter_mut().zip(&succession.points.each);
         for ((touch, was), point) in touches.zip(&self.points) {
             // If the method itself sets the contact force, another method has no state of the contact.
             if let Some(was) = was
@@ -147,7 +147,7 @@ impl WorldRenderer {
     /// Continues the links of continued joints, and attaches those of new joints at the current poses.
     fn carry_links(&self, new: &mut Progress, old: &Progress, succession: &Succession) {
         let befores = |joint: usize| old.now.links.iter().filter(move |link| link.joint == joint);
-        for (joint, was) in succession.joints.iter().enumerate() {
+        for (joint, was) in succession.joints.each.iter().enumerate() {
             let links = new.now.links.iter_mut();
             let links = links.filter(|link| link.joint == joint);
             match was {
@@ -164,7 +164,7 @@ impl WorldRenderer {
         self.meet_devices(&mut state.progress, &mut state.memory);
         // The resulting change is external, because no held force caused it.
         let contacts = state.progress.ledger.contacts.iter_mut();
-        for (entry, was) in contacts.zip(&succession.points) {
+        for (entry, was) in contacts.zip(&succession.points.each) {
             let before = was.map_or(0.0, |was| old.ledger.contacts[was].observed);
             entry.outside += entry.observed - before;
             entry.observed = before;
@@ -291,16 +291,22 @@ fn carry_ledger(new: &mut Progress, old: &Progress, succession: &Succession) {
     carry(
         &mut ledger.contacts,
         &old.ledger.contacts,
-        &succession.points,
+        &succession.points.each,
     );
     // All energy of new elements is external.
-    carry(&mut ledger.joints, &old.ledger.joints, &succession.joints);
-    carry(&mut ledger.bodies, &old.ledger.bodies, &succession.bodies);
+    let Succession {
+        points,
+        bodies,
+        joints,
+        ..
+    } = succession;
+    carry(&mut ledger.joints, &old.ledger.joints, &joints.each);
+    carry(&mut ledger.bodies, &old.ledger.bodies, &bodies.each);
     let stored = ledger.take_leave(
         &old.ledger,
-        &succession.points,
-        &succession.bodies,
-        &succession.joints,
+        points.gone(old.ledger.contacts.len()),
+        bodies.gone(old.ledger.bodies.len()),
+        joints.gone(old.ledger.joints.len()),
     );
     new.guard.appeared(-stored);
 }

@@ -1,5 +1,6 @@
 //! Mapping between the elements of a world and those of its predecessor.
 
+use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 
 use crate::{Joint, Shape, WorldErrors, WorldRenderer};
@@ -11,15 +12,46 @@ pub struct Succession {
     /// Previous index of each tool and body, among tools and bodies.
     pub(super) parts: Vec<Option<usize>>,
     /// Previous index of each body, among bodies.
-    pub(super) bodies: Vec<Option<usize>>,
+    pub(super) bodies: Origins,
     /// Previous index of each contact point.
-    pub(super) points: Vec<Option<usize>>,
+    pub(super) points: Origins,
     /// Previous index of each sphere on a mesh.
     pub(super) surfaces: Vec<Option<usize>>,
     /// Previous index of each pair of boxes, hulls and capsules.
     pub(super) blocks: Vec<Option<usize>>,
     /// Previous index of each joint.
-    pub(super) joints: Vec<Option<usize>>,
+    pub(super) joints: Origins,
+}
+
+/// Previous indices of elements that have ledgers.
+#[derive(Clone, Debug)]
+pub(super) struct Origins {
+    /// Previous index of each element.
+    pub each: Vec<Option<usize>>,
+    /// The same indices in ascending order.
+    kept: Vec<usize>,
+}
+
+impl Origins {
+    fn new(each: Vec<Option<usize>>) -> Self {
+        let kept = Vec::with_capacity(each.len());
+        let mut all = Self { each, kept };
+        all.sort();
+        all
+    }
+
+    /// Updates the sorted indices. It does not allocate, since no index is ever added.
+    fn sort(&mut self) {
+        self.kept.clear();
+        self.kept.extend(self.each.iter().flatten());
+        self.kept.sort_unstable();
+    }
+
+    /// Returns the indices of the `count` previous elements that have no successor.
+    pub fn gone(&self, count: usize) -> impl Iterator<Item = usize> {
+        let mut kept = self.kept.iter().copied().peekable();
+        (0..count).filter(move |number| kept.next_if_eq(number).is_none())
+    }
 }
 
 impl Succession {
@@ -27,16 +59,19 @@ impl Succession {
     pub fn skip(&mut self, before: &Self) {
         let each = [
             (&mut self.parts, &before.parts),
-            (&mut self.bodies, &before.bodies),
-            (&mut self.points, &before.points),
+            (&mut self.bodies.each, &before.bodies.each),
+            (&mut self.points.each, &before.points.each),
             (&mut self.surfaces, &before.surfaces),
             (&mut self.blocks, &before.blocks),
-            (&mut self.joints, &before.joints),
+            (&mut self.joints.each, &before.joints.each),
         ];
         for (own, before) in each {
             for was in own {
                 *was = was.and_then(|was| before.get(was).copied().flatten());
             }
+        }
+        for origins in [&mut self.bodies, &mut self.points, &mut self.joints] {
+            origins.sort();
         }
     }
 }
@@ -54,7 +89,7 @@ impl WorldRenderer {
     pub fn migrate(&mut self, before: &Self, is_kept: &[bool]) -> Result<Succession, WorldErrors> {
         before.check_tools(&self.world)?;
         let from = self.origins(before, is_kept);
-        for (joint, was) in from.joints.iter().enumerate() {
+        for (joint, was) in from.joints.each.iter().enumerate() {
             let links = self.links.iter_mut().filter(|link| link.joint == joint);
             let befores = before.links.iter().filter(|link| Some(link.joint) == *was);
             for (link, before) in links.zip(befores) {
@@ -123,12 +158,11 @@ impl WorldRenderer {
             Some(old)
         });
         let bodies = parts[self.tools..].iter();
+        let bodies = bodies.map(|was| was.map(|was| was - before.tools));
         Succession {
-            bodies: bodies
-                .map(|was| was.map(|was| was - before.tools))
-                .collect(),
-            joints: joints.collect(),
-            points,
+            bodies: Origins::new(bodies.collect()),
+            joints: Origins::new(joints.collect()),
+            points: Origins::new(points),
             surfaces: in_order(&surfaces(self), &surfaces(before), pair),
             blocks: in_order(&blocks(self), &blocks(before), pair),
             parts,
@@ -151,15 +185,12 @@ fn in_order(
     old: &[[usize; 2]],
     pair: impl Fn([usize; 2]) -> Option<[usize; 2]>,
 ) -> Vec<Option<usize>> {
-    let mut is_taken = vec![false; old.len()];
-    new.iter()
-        .map(|sides| {
-            let was = pair(*sides)?;
-            let number =
-                (0..old.len()).find(|&old_one| !is_taken[old_one] && old[old_one] == was)?;
-            is_taken[number] = true;
-            Some(number)
-        })
+    let mut left: HashMap<[usize; 2], VecDeque<usize>> = HashMap::new();
+    for (number, sides) in old.iter().enumerate() {
+        left.entry(*sides).or_default().push_back(number);
+    }
+    let each = new.iter();
+    each.map(|sides| left.get_mut(&pair(*sides)?)?.pop_front())
         .collect()
 }
 
@@ -179,4 +210,18 @@ fn is_same_bearing(joint: &Joint, before: &Joint) -> bool {
         && *point == before.point
         && *axis == before.axis
         && law.span == before.law.span
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elements_keep_their_rank_in_a_pair_and_others_are_gone() {
+        let old = [[0, 1], [0, 2], [0, 1], [1, 2], [0, 1]];
+        let new = [[0, 1], [1, 2], [0, 1], [2, 2], [1, 2]];
+        let from = Origins::new(in_order(&new, &old, Some));
+        assert_eq!(from.each, [Some(0), Some(3), Some(2), None, None]);
+        assert_eq!(from.gone(old.len()).collect::<Vec<_>>(), [1, 4]);
+    }
 }
