@@ -500,22 +500,32 @@ fn the_same_hands_take_more_without_a_limit() {
     assert!(fine > 2.0 * ALLOWANCE, "{fine} J");
 }
 
-/// Least masses of each device that equal the common one change nothing, and a heavier device gets more force.
+/// Least masses of each device that equal the common one change nothing, and a heavier device gets more force, also if
+/// they are set while the world runs.
 #[test]
 fn each_device_has_its_own_least_mass() {
-    let held = |masses: Vec<Vector>| {
+    let held = |masses: Vec<Vector>, later: Option<Vec<Vector>>| {
         let (world, starts, method) = crowd(0);
         let guard = WorldGuardParams {
             hand: Some(HAND),
             ..WorldGuardParams::by_speed(SPEED, TURNING, ALLOWANCE)
         };
-        let loop_params = WorldLoop::new(0.002)
-            .with_guard(WorldGuard::Limit(guard))
-            .with_guard_masses(masses);
-        let renderer = WorldRenderer::new(&world, loop_params, method).unwrap();
+        let loop_params = WorldLoop::new(0.002).with_guard(WorldGuard::Limit(guard));
+        let with = |masses| {
+            let loop_params = loop_params.clone().with_guard_masses(masses);
+            WorldRenderer::new(&world, loop_params, method.clone()).unwrap()
+        };
+        let mut renderer = with(masses);
         let mut state = renderer.start();
         let mut forces = Vec::new();
         for tick in 0..200 {
+            if let (20, Some(masses)) = (tick, &later) {
+                let mut next = with(masses.clone());
+                let succession = next.migrate(&renderer, &[]).unwrap();
+                let mut resumed = next.start();
+                next.resume(&mut resumed, (&renderer, &state), &succession);
+                (renderer, state) = (next, resumed);
+            }
             let down = 2e-3 * (1.0 - (0.08 * f64::from(tick)).cos());
             let positions: Vec<Vector> =
                 starts.iter().map(|[x, y, z]| [*x, *y, z - down]).collect();
@@ -525,17 +535,18 @@ fn each_device_has_its_own_least_mass() {
         }
         forces
     };
-    let common = held(Vec::new());
-    assert_eq!(common, held(vec![HAND.least_mass; TOOLS]));
-    let heavier = HAND.least_mass.map(|mass| 10.0 * mass);
-    let heavier = held(vec![HAND.least_mass, heavier]);
-    // Up to the first difference the bodies have moved alike.
-    let differ = common
-        .iter()
-        .zip(&heavier)
-        .find(|(one, other)| one != other);
-    let (less, more) = differ.expect("a guard that acts");
-    let [less, more] = [less, more].map(|force| Vector3::from(*force).norm());
-    println!("{less} N, {more} N");
-    assert!(more > less, "{less} N, {more} N");
+    let common = held(Vec::new(), None);
+    assert_eq!(common, held(vec![HAND.least_mass; TOOLS], None));
+    let heavier = vec![HAND.least_mass, HAND.least_mass.map(|mass| 10.0 * mass)];
+    for heavier in [held(heavier.clone(), None), held(Vec::new(), Some(heavier))] {
+        // Up to the first difference the bodies have moved alike.
+        let differ = common
+            .iter()
+            .zip(&heavier)
+            .find(|(one, other)| one != other);
+        let (less, more) = differ.expect("a guard that acts");
+        let [less, more] = [less, more].map(|force| Vector3::from(*force).norm());
+        println!("{less} N, {more} N");
+        assert!(more > less, "{less} N, {more} N");
+    }
 }

@@ -80,7 +80,7 @@ impl WorldRenderer {
         new.intended_torques.copy_from_slice(&old.intended_torques);
         new.forces.copy_from_slice(&old.forces);
         new.torques.copy_from_slice(&old.torques);
-        let is_same_guard = here.guard == there.guard;
+        let is_same_guard = here.guard == there.guard && here.guard_masses == there.guard_masses;
         if is_same_guard {
             new.guard.copy_from(&old.guard);
         }
