@@ -193,6 +193,9 @@ const PUSHED: f64 = 4.0;
 /// Number of searches for pairs after which all candidates are near.
 const MAX_PASSES: usize = 16;
 
+/// Ratio of the mean square extents of two axes above which the sweep changes to the larger one.
+const CLEARLY: f64 = 1.5;
+
 /// Safety margin of the distance at which two parts stay apart within an interval, in addition to their approach `[m]`.
 pub(crate) const MARGIN: f64 = 2e-4;
 
@@ -210,6 +213,8 @@ pub(crate) struct BroadPhase {
     /// The same before the last selection.
     before: List,
     was_near: Box<[bool]>,
+    /// Swept axis; `None` before the first sweep.
+    axis: Option<usize>,
     /// Parts in the order of the lower ends of their extents along the swept axis.
     order: Box<[usize]>,
     /// Half-extents of each part along the world's axes `[m]`.
@@ -227,6 +232,7 @@ impl BroadPhase {
             is_near: vec![false; pairs.all.len()].into(),
             before: List::new(pairs.all.len()),
             was_near: vec![false; pairs.all.len()].into(),
+            axis: None,
             order: pairs.bounded.clone().into(),
             halves: pairs.halves.clone().into(),
             extents: vec![[0.0; 2]; pairs.radii.len()].into(),
@@ -251,6 +257,7 @@ impl BroadPhase {
             Self::add(&mut self.near, &mut self.is_near, pair);
         }
         self.order.copy_from_slice(&other.order);
+        self.axis = other.axis;
     }
 
     fn add(near: &mut List, is_near: &mut [bool], pair: usize) {
@@ -401,15 +408,7 @@ impl BroadPhase {
 
     /// Adds the pairs of bounded parts that are nearer than twice the `reach` `[m]`.
     fn sweep(&mut self, pairs: &Pairs, parts: &[Part], reach: f64) {
-        let places = || self.order.iter().map(|&part| &parts[part].rigid.position);
-        let mut bounds = [
-            Vector3::repeat(f64::INFINITY),
-            Vector3::repeat(f64::NEG_INFINITY),
-        ];
-        for place in places() {
-            bounds = [bounds[0].inf(place), bounds[1].sup(place)];
-        }
-        let axis = (bounds[1] - bounds[0]).imax();
+        let axis = self.swept_axis(parts);
         for &part in &self.order {
             let Rigid {
                 position,
@@ -422,6 +421,13 @@ impl BroadPhase {
             }
             let half = self.halves[part][axis] + reach;
             self.extents[part] = [position[axis] - half, position[axis] + half];
+        }
+        if self.axis != Some(axis) {
+            self.axis = Some(axis);
+            let extents = &self.extents;
+            let low = |part: usize| extents[part][0];
+            self.order
+                .sort_unstable_by(|&one, &other| low(one).total_cmp(&low(other)));
         }
         // The order hardly changes from one interval to the next.
         for end in 1..self.order.len() {
@@ -448,7 +454,62 @@ impl BroadPhase {
         }
     }
 
+    /// Returns the axis along which the bounded parts are spread out most, by the mean square: one distant part does not
+    /// decide it. The axis of the last sweep stays unless another is clearly better.
+    fn swept_axis(&self, parts: &[Part]) -> usize {
+        let (mut sum, mut squares) = (Vector3::zeros(), Vector3::zeros());
+        let Some(&any) = self.order.first() else {
+            return 0;
+        };
+        let origin = parts[any].rigid.position;
+        for &part in &self.order {
+            let place = parts[part].rigid.position - origin;
+            sum += place;
+            squares += place.component_mul(&place);
+        }
+        let spread = squares - sum.component_mul(&sum) / self.order.len() as f64;
+        let best = spread.imax();
+        self.axis
+            .filter(|&last| spread[best] <= CLEARLY * spread[last])
+            .unwrap_or(best)
+    }
+
     fn low(&self, place: usize) -> f64 {
         self.extents[self.order[place]][0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{
+        BasicParams, Body, Contact, ContactLaw, Free, Motion, Party, Sample, Shape, Tool, World,
+        WorldLoop, WorldRenderer,
+    };
+
+    /// Balls in a row, and a tool far above them: along z all balls overlap.
+    #[test]
+    fn one_distant_part_does_not_decide_the_swept_axis() {
+        let radius = 0.02;
+        let balls = (0..20).map(|number| {
+            let free = Motion::Free(Free::of_mass(0.05));
+            let ball = Body::new(format!("ball {number}"), Shape::Sphere { radius }, free);
+            ball.at([0.0, 0.1 * f64::from(number), 0.0])
+        });
+        let world = World {
+            tools: vec![Tool::new("tool", Shape::Sphere { radius })],
+            bodies: balls.collect(),
+            contacts: vec![Contact {
+                between: [Party::Any, Party::Any],
+                law: ContactLaw::spring(1000.0),
+            }],
+            ..World::default()
+        };
+        let method = BasicParams::default();
+        let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
+        let mut state = renderer.start();
+        for _ in 0..3 {
+            let _ = renderer.step(&mut state, &Sample::at(&[[0.0, 1.0, 2.1]]));
+        }
+        assert_eq!(state.progress.now.nearby.broad.axis, Some(1));
     }
 }
