@@ -150,7 +150,7 @@ const NEARLY_A_LINE: f64 = 1e-6;
 impl Hull {
     /// Maximum number of corners of a hull.
     pub const MAX_CORNERS: usize = MAX_CORNERS;
-    /// Number of corners of a simplified hull. It leaves contact points of the world for other contacts.
+    /// Number of corners of a simplified hull, which limits the time of its contacts.
     pub const SIMPLIFIED_CORNERS: usize = 48;
 
     /// Creates the convex hull of `points` `[m]`.

@@ -56,8 +56,9 @@ pub struct Effort {
     /// Whether the integration would be unstable even with four times [`SubSteps::most`]. The sample is then
     /// rejected.
     pub unstable: bool,
-    /// Maximum number of mesh triangles, mesh contacts and shell points that a sub-step omitted for lack of capacity:
-    /// the most distant or least deep ones.
+    /// Maximum number of mesh triangles, mesh contacts and contact points omitted at a time for lack of capacity: the
+    /// most distant or least deep triangles and shell points, and the points of whole pairs without contact beyond
+    /// [`MAX_POINTS`](crate::MAX_POINTS).
     pub left_out: u32,
 }
 

@@ -59,7 +59,8 @@ impl PointShell {
     pub const MAX_POINTS: usize = 2048;
 
     /// Number of points above which a shell is large. A tick evaluates all points of other shells in every sub-step.
-    /// For large shells it evaluates only points that touch or may touch within a period, at most this number.
+    /// For large shells it evaluates only points that touch or may touch within a period, in a world at most
+    /// 1.5 times this number.
     pub const MAX_ALWAYS: usize = MAX_CORNERS;
 
     /// Distributes `points` points (at least 4) over a mesh. They include all corners of its convex hull, unless the
