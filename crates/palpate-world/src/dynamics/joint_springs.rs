@@ -413,12 +413,14 @@ impl Link {
         self.relative = now;
     }
 
-    /// Returns bounds of the squared angular frequency `[1/s^2]` and damping rate `[1/s]` at each of its sides.
-    pub fn rates(&self, parts: &[Part]) -> [(Option<usize>, f64, f64); 2] {
-        let of = |number: Option<usize>, moves: f64| {
-            let Some(number) = number else {
-                return (None, 0.0, 0.0);
-            };
+    /// Returns the indices of its bodies.
+    pub fn sides(&self) -> impl Iterator<Item = usize> + use<> {
+        [Some(self.first), self.second].into_iter().flatten()
+    }
+
+    /// Returns bounds of the squared angular frequency `[1/s^2]` and damping rate `[1/s]` at each of its bodies.
+    pub fn rates(&self, parts: &[Part]) -> impl Iterator<Item = (usize, f64, f64)> {
+        let of = |(number, moves): (usize, f64)| {
             let turns = parts[number].mobility.angular.max();
             let (square, rate) = match self.holds {
                 Holds::Point { stiffness, damping } => {
@@ -429,11 +431,8 @@ impl Link {
                     ((along.spring + along.stop) * turns, along.damping * turns)
                 }
             };
-            (Some(number), square, rate)
+            (number, square, rate)
         };
-        [
-            of(Some(self.first), self.moves[0]),
-            of(self.second, self.moves[1]),
-        ]
+        self.sides().zip(self.moves).map(of)
     }
 }

@@ -4,6 +4,7 @@ use crate::contact::convex_pairs::Blocks;
 use crate::contact::islands::Kind;
 use crate::contact::nearby::{MAX_NEARBY, approach};
 use crate::contact::pairs::Point;
+use crate::dynamics::joint_springs::Link;
 use crate::dynamics::moving_body::Part;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::Solid;
@@ -329,16 +330,8 @@ fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 
 fn fastest(moving: &Moving, sums: &mut [(f64, f64)], points: &[Point], h: f64) -> Fastest {
     let mut most_square: f64 = 0.0;
     let mut most_damping: f64 = 0.0;
-    for &number in moving.nearby.islands.all(Kind::Links) {
-        let link = &moving.links[number];
-        let (mut square, mut damping) = (0.0, 0.0);
-        for (side, ..) in link.rates(&moving.parts) {
-            let of_side = side.map_or((0.0, 0.0), |side| rates_of_links(moving, side));
-            (square, damping) = (square + of_side.0, damping + of_side.1);
-        }
-        most_square = most_square.max(square);
-        most_damping = most_damping.max(damping);
-    }
+    let links = moving.nearby.islands.all(Kind::Links).iter();
+    let links = links.map(|&number| &moving.links[number]);
     let mut near = [false; MAX_NEARBY];
     for (near, &number) in near.iter_mut().zip(moving.nearby.numbers()) {
         *near = may_touch(moving, number, &points[number], h);
@@ -347,10 +340,21 @@ fn fastest(moving: &Moving, sums: &mut [(f64, f64)], points: &[Point], h: f64) -
     let near = near
         .filter(|(_, near)| *near)
         .map(|(&number, _)| &points[number]);
-    for point in near.clone() {
-        for side in [point.first, point.second] {
-            sums[side] = rates_of_links(moving, side);
-        }
+    for side in near.clone().flat_map(|point| [point.first, point.second]) {
+        sums[side] = (0.0, 0.0);
+    }
+    for side in links.clone().flat_map(Link::sides) {
+        sums[side] = (0.0, 0.0);
+    }
+    for (side, square, rate) in links.clone().flat_map(|link| link.rates(&moving.parts)) {
+        sums[side].0 += square;
+        sums[side].1 += rate;
+    }
+    for link in links {
+        let of_sides = link.sides().map(|side| sums[side]);
+        let of_sides = of_sides.fold((0.0, 0.0), |sum, side| (sum.0 + side.0, sum.1 + side.1));
+        most_square = most_square.max(of_sides.0);
+        most_damping = most_damping.max(of_sides.1);
     }
     for point in near.clone() {
         for (lever, side) in [point.first, point.second].into_iter().enumerate() {
@@ -421,19 +425,6 @@ fn may_touch(moving: &Moving, number: usize, point: &Point, h: f64) -> bool {
             nearest.distance < reach
         }
     }
-}
-
-/// Returns the sums of the bounds of squared angular frequency `[1/s^2]` and damping rate `[1/s]` of all links at a
-/// tool or body.
-fn rates_of_links(moving: &Moving, number: usize) -> (f64, f64) {
-    let links = moving
-        .links
-        .iter()
-        .flat_map(|link| link.rates(&moving.parts));
-    let here = links.filter(|(side, ..)| *side == Some(number));
-    here.fold((0.0, 0.0), |sum, (_, square, rate)| {
-        (sum.0 + square, sum.1 + rate)
-    })
 }
 
 #[cfg(test)]

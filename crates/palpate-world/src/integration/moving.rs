@@ -229,8 +229,7 @@ impl Moving {
             }
         }
         for &number in self.nearby.islands.all(Kind::Links) {
-            let link = &self.links[number];
-            for side in [Some(link.first), link.second].into_iter().flatten() {
+            for side in self.links[number].sides() {
                 self.parts[side].is_supported = true;
             }
         }
