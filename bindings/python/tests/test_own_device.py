@@ -91,13 +91,16 @@ def test_several_axes_are_tuples() -> None:
     ],
 )
 def test_an_exception_ends_the_loop_and_is_the_cause(fails: str, kind: type[Exception], words: str) -> None:
-    loop = palpate.Loop(Knob(fails), palpate.Renderer(**WALL))
+    knob = Knob(fails)
+    loop = palpate.Loop(knob, palpate.Renderer(**WALL))
     loop.start()
     with pytest.raises(palpate.LoopError, match=words) as raised:
         while True:
             loop.read(wait=10.0)
     assert isinstance(raised.value.__cause__, kind)
     assert loop.report is not None and loop.report.ending == "the device is gone"
+    # The fifth force was that of the wall.
+    assert knob.forces[-1] == 0.0
 
 
 def test_a_wrong_device_says_what_is_needed() -> None:
@@ -144,6 +147,7 @@ def test_a_shared_library_is_a_device(tmp_path: Path) -> None:
 def test_a_program_answers_packets() -> None:
     board = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     board.bind(("127.0.0.1", 0))
+    board.settimeout(60.0)
     forces = []
 
     def serve() -> None:
@@ -158,7 +162,7 @@ def test_a_program_answers_packets() -> None:
             elif word == "wrench":
                 forces.append(float(values[1]))
 
-    thread = threading.Thread(target=serve)
+    thread = threading.Thread(target=serve, daemon=True)
     thread.start()
     with palpate.Loop(Udp(*board.getsockname()), palpate.Renderer(**WALL)) as loop:
         wait_for_force(loop, 1.0)
