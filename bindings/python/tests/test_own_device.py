@@ -103,6 +103,32 @@ def test_an_exception_ends_the_loop_and_is_the_cause(fails: str, kind: type[Exce
     assert knob.forces[-1] == 0.0
 
 
+DROPPED = """
+import math, threading, palpate
+from palpate.devices import Capabilities, Device
+pressed = threading.Event()
+class Knob(Device):
+    force = 0.0
+    def capabilities(self):
+        return Capabilities("knob")
+    def read(self):
+        return 0.005
+    def write(self, force):
+        Knob.force = force
+        if force:
+            pressed.set()
+loop = palpate.Loop(Knob(), palpate.Renderer(stiffness=400.0, mass=math.inf, period=0.01, device_mass=0.2))
+loop.start()
+assert pressed.wait(60.0)
+del loop
+assert Knob.force == 0.0
+"""
+
+
+def test_a_running_loop_that_is_dropped_ends_with_zero() -> None:
+    subprocess.run([sys.executable, "-c", DROPPED], check=True, timeout=120.0)
+
+
 def test_a_wrong_device_says_what_is_needed() -> None:
     class Mine(Device):
         def read(self) -> float:
