@@ -283,7 +283,7 @@ impl<C: Clock> External<C> {
         if let Some((text, from)) = left {
             let _ = self.channel.send(text.bytes().get(from..).unwrap_or(&[]));
         }
-        let _ = self.channel.send(protocol::ZERO);
+        let _ = self.channel.send(self.channel.zero());
         let _ = self.channel.send(protocol::END);
         self.channel.shut();
         #[cfg(unix)]
@@ -367,7 +367,7 @@ impl<C: Clock> Device for External<C> {
         struct Zero(Channel);
         impl ZeroWriter for Zero {
             fn write_zero(&mut self) {
-                let _ = self.0.send(protocol::ZERO);
+                let _ = self.0.send(self.0.zero());
             }
         }
         let channel = self.channel.try_clone().ok()?;

@@ -185,7 +185,7 @@ impl<C: Clock> External<C> {
         use std::os::fd::AsFd;
         let orders = Orders {
             limit: guard.limit,
-            release: protocol::ZERO.to_vec(),
+            release: self.channel.zero().to_vec(),
             probe: protocol::PROBE.to_vec(),
             answer: protocol::SHORTEST_ANSWER,
         };
