@@ -289,20 +289,24 @@ impl<C: Clock> External<C> {
         #[cfg(unix)]
         {
             let ended = self.program.take().and_then(super::process::Program::end);
+        let mut said = Vec::new();
             if let Some(watchdog) = self.watchdog.take() {
                 // Otherwise it commands zero itself.
                 if sent.is_ok() || ended.is_some() {
                     watchdog.dismiss();
                 }
             }
-            if let (Some(how), Some(tell)) = (ended.filter(|_| self.is_gone), self.tell.take()) {
-                (tell.0)(format!("the program of the device has ended: {how}"));
+            if let Some(how) = ended.filter(|_| self.is_gone) {
+                said.push(format!("the program of the device has ended: {how}"));
             }
         }
         #[cfg(not(unix))]
         let _ = sent;
-        if let (Some(why), Some(tell)) = (self.reason().map(str::to_owned), self.tell.take()) {
-            (tell.0)(format!("the device reported an error: {why}"));
+        if let Some(why) = self.reason() {
+            said.push(format!("the device reported an error: {why}"));
+        }
+        if let Some(tell) = self.tell.take().filter(|_| !said.is_empty()) {
+            (tell.0)(said.join("; "));
         }
     }
 }
