@@ -81,8 +81,8 @@ impl Inbox {
         }
     }
 
-    /// Copies the next line without its newline into `line` and returns its length. `None`: no line is complete.
-    /// `Some(None)`: it is too long.
+    /// Copies the next line without its newline into `line` and returns its length. `None`: no line is complete, or so
+    /// many bytes have no newline that the caller must look at its time. `Some(None)`: it is too long.
     pub fn next(
         &mut self,
         channel: &Channel,
@@ -106,6 +106,7 @@ impl Inbox {
             if self.filled == self.bytes.len() {
                 self.skips = true;
                 self.filled = 0;
+                return Ok(None);
             }
             let room = self.bytes.get_mut(self.filled..).unwrap_or(&mut []);
             match channel.receive(room)? {
@@ -400,5 +401,27 @@ impl<C: Clock> Device for External<C> {
 impl<C: Clock> Drop for External<C> {
     fn drop(&mut self) {
         self.close();
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_without_a_newline_are_taken_in_bounded_parts() {
+        use std::io::Write;
+        let (ours, mut theirs) = std::os::unix::net::UnixStream::pair().unwrap();
+        ours.set_nonblocking(true).unwrap();
+        theirs.write_all(&[b'x'; 20 * LONGEST]).unwrap();
+        let channel = Channel::Stream(ours);
+        let (mut inbox, mut line) = (Inbox::new(), [0; LONGEST]);
+        assert_eq!(inbox.next(&channel, &mut line), Ok(None));
+        // The rest waits for the next call.
+        assert!(channel.receive(&mut [0; 8]).unwrap() > 0);
+        theirs.write_all(b"\nread\n").unwrap();
+        let found = std::iter::repeat_with(|| inbox.next(&channel, &mut line).unwrap());
+        let found: Vec<_> = found.take(5).flatten().collect();
+        assert_eq!(found, [None, Some(4)]);
     }
 }
