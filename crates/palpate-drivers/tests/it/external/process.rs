@@ -1,6 +1,8 @@
 //! Programs of devices, here of the shell.
 
+use std::process::Command;
 use std::sync::mpsc::channel;
+use std::time::Duration;
 
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Device, DeviceErrorKind, Wrench};
@@ -81,8 +83,6 @@ fn a_program_that_ends_is_a_lost_device_and_its_status_is_said() {
 }
 
 #[test]
-fn lines_that_are_no_samples_are_counted() {
-#[test]
 fn the_words_of_a_device_that_refuses_are_said() {
     let (told, hears) = channel();
     let tell = move |text| told.send(text).unwrap();
@@ -114,6 +114,8 @@ fn what_a_killed_program_has_started_is_killed_too() {
     assert!(ended.unwrap().unwrap().is_empty());
 }
 
+#[test]
+fn lines_that_are_no_samples_are_counted() {
     let long = "x".repeat(5000);
     let read = format!("echo debug; echo {long}; echo; echo sample $n $n - 0");
     let mut device = opened(&read, |_| {}).unwrap();
