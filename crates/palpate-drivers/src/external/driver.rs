@@ -191,7 +191,9 @@ impl<C: Clock> External<C> {
                     match self.account.takes(&sample, now) {
                         Taken::Missing => {}
                         Taken::NotSeconds => {
-                            fault = Some(refused("the device's time does not run in seconds"));
+                            fault = Some(refused(
+                                "the device's clock does not run in seconds; without such a clock it sends - for the time",
+                            ));
                         }
                         Taken::Fresh(time) => {
                             self.heard_at = now;
@@ -287,10 +289,10 @@ impl<C: Clock> External<C> {
         let _ = self.channel.send(self.channel.zero());
         let _ = self.channel.send(protocol::END);
         self.channel.shut();
+        let mut said = Vec::new();
         #[cfg(unix)]
         {
             let ended = self.program.take().and_then(super::process::Program::end);
-        let mut said = Vec::new();
             if let Some(watchdog) = self.watchdog.take() {
                 // Otherwise it commands zero itself.
                 if sent.is_ok() || ended.is_some() {
@@ -326,10 +328,12 @@ impl<C: Clock> Device for External<C> {
         }
         let fresh = self.sample(self.period / 2)?;
         if self.clock.now().saturating_sub(self.heard_at) > GIVES_UP_AFTER.max(self.period * 4) {
-            return Err(DeviceError::new(
-                DeviceErrorKind::Disconnected,
-                "the device has sent no valid sample for too long",
-            ));
+            let what = if self.account.is_old_by_its_clock() {
+                "the device's samples are too old by its clock; if that is wrong, it sends - for the time"
+            } else {
+                "the device has sent no valid sample for too long"
+            };
+            return Err(DeviceError::new(DeviceErrorKind::Disconnected, what));
         }
         self.check_watchdog()?;
         fresh.ok_or(DeviceError::new(
