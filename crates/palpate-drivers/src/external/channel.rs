@@ -94,6 +94,17 @@ impl Channel {
         }
     }
 
+    /// Whether a packet was refused since the last call of this, `send` or `receive`: no program listens.
+    pub fn is_refused(&self) -> bool {
+        let error = match self {
+            #[cfg(unix)]
+            Self::Stream(_) => return false,
+            Self::Packets(socket) => socket.take_error(),
+        };
+        let kind = error.ok().flatten().map(|error| error.kind());
+        kind == Some(ErrorKind::ConnectionRefused)
+    }
+
     /// Reads what has arrived; returns the number of bytes, 0 if nothing has.
     ///
     /// # Errors

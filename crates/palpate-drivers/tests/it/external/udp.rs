@@ -253,6 +253,23 @@ fn a_silent_device_is_gone() {
     ended.join().unwrap();
 }
 
+/// It waits a second: a program that is starting.
+#[test]
+fn a_port_without_a_program_and_a_wrong_address_are_named() {
+    let address = UdpSocket::bind("127.0.0.1:0")
+        .unwrap()
+        .local_addr()
+        .unwrap();
+    let error = opened(address).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        format!("udp:{address} refuses packets: no program listens there; start it first")
+    );
+    let error = Place::udp("127.0.0.1:0").unwrap_err().to_string();
+    assert!(error.contains("the port is 0"), "{error}");
+    assert!(Place::udp("no.such.host.invalid:5005").is_err());
+}
+
 #[test]
 fn a_wrong_answer_is_named() {
     let (address, _ended) = device(|_| vec!["device 7 axes=1".into()]);
