@@ -91,13 +91,42 @@ def test_several_axes_are_tuples() -> None:
     ],
 )
 def test_an_exception_ends_the_loop_and_is_the_cause(fails: str, kind: type[Exception], words: str) -> None:
-    loop = palpate.Loop(Knob(fails), palpate.Renderer(**WALL))
+    knob = Knob(fails)
+    loop = palpate.Loop(knob, palpate.Renderer(**WALL))
     loop.start()
     with pytest.raises(palpate.LoopError, match=words) as raised:
         while True:
             loop.read(wait=10.0)
     assert isinstance(raised.value.__cause__, kind)
     assert loop.report is not None and loop.report.ending == "the device is gone"
+    # The fifth force was that of the wall.
+    assert knob.forces[-1] == 0.0
+
+
+DROPPED = """
+import math, threading, palpate
+from palpate.devices import Capabilities, Device
+pressed = threading.Event()
+class Knob(Device):
+    force = 0.0
+    def capabilities(self):
+        return Capabilities("knob")
+    def read(self):
+        return 0.005
+    def write(self, force):
+        Knob.force = force
+        if force:
+            pressed.set()
+loop = palpate.Loop(Knob(), palpate.Renderer(stiffness=400.0, mass=math.inf, period=0.01, device_mass=0.2))
+loop.start()
+assert pressed.wait(60.0)
+del loop
+assert Knob.force == 0.0
+"""
+
+
+def test_a_running_loop_that_is_dropped_ends_with_zero() -> None:
+    subprocess.run([sys.executable, "-c", DROPPED], check=True, timeout=120.0)
 
 
 def test_a_wrong_device_says_what_is_needed() -> None:
@@ -144,6 +173,7 @@ def test_a_shared_library_is_a_device(tmp_path: Path) -> None:
 def test_a_program_answers_packets() -> None:
     board = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     board.bind(("127.0.0.1", 0))
+    board.settimeout(60.0)
     forces = []
 
     def serve() -> None:
@@ -158,7 +188,7 @@ def test_a_program_answers_packets() -> None:
             elif word == "wrench":
                 forces.append(float(values[1]))
 
-    thread = threading.Thread(target=serve)
+    thread = threading.Thread(target=serve, daemon=True)
     thread.start()
     with palpate.Loop(Udp(*board.getsockname()), palpate.Renderer(**WALL)) as loop:
         wait_for_force(loop, 1.0)

@@ -2,8 +2,12 @@
 
 use std::time::Duration;
 
-/// Largest drift of a device's clock against the loop's.
+/// Largest drift of a device's clock against its estimated rate.
 const DRIFT: f64 = 200e-6;
+/// Largest estimate of how much slower the device's clock runs: that of a microcontroller without a crystal.
+const SLOWEST: f64 = 0.02;
+/// Interval of the estimate `[s]`: until it is known after three, a slow clock adds its error to the sample's age.
+const ESTIMATED_EVERY: f64 = 0.1;
 /// Interval at which the rate of the device's clock is checked `[s]`.
 const RATE_CHECKED_EVERY: f64 = 1.0;
 /// Allowed rate of the device's clock. Milliseconds in place of seconds give 1000.
@@ -21,7 +25,7 @@ pub enum Stamp {
 }
 
 /// Map from the device's clock to the loop's. The fastest message gives the difference of the clocks, with the delay of
-/// that message; a slower one keeps its sampling time. The difference follows a drift.
+/// that message; a slower one keeps its sampling time. The difference follows a drift, and the rate of a slow clock.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DeviceTime {
     /// First times of device and loop, and of the current check of the rate `[s]`.
@@ -31,6 +35,39 @@ pub struct DeviceTime {
     last: [f64; 2],
     /// Loop's time minus device's, since the first ones `[s]`.
     difference: f64,
+    rate: Rate,
+}
+
+/// Estimate of how much slower the device's clock runs, from the least differences of successive intervals.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rate {
+    /// Begin of the interval and its least difference `[s]`.
+    least: [f64; 2],
+    /// Those of the interval before.
+    before: Option<[f64; 2]>,
+    /// Growth of the least difference between the last two intervals.
+    growth: f64,
+    /// Estimate. A growth that does not last is a delay of messages.
+    slower: f64,
+}
+
+impl Rate {
+    /// Takes the difference of a sample that arrived at `arrival`, and returns the estimate.
+    fn of(&mut self, arrival: f64, difference: f64) -> f64 {
+        let [begun, least] = self.least;
+        if arrival - begun < ESTIMATED_EVERY {
+            self.least = [begun, least.min(difference)];
+            return self.slower;
+        }
+        if let Some([begun_before, least_before]) = self.before {
+            let growth = (least - least_before) / (begun - begun_before);
+            self.slower = growth.min(self.growth).clamp(0.0, SLOWEST);
+            self.growth = growth;
+        }
+        self.before = Some(self.least);
+        self.least = [arrival, difference];
+        self.slower
+    }
 }
 
 impl DeviceTime {
@@ -55,7 +92,8 @@ impl DeviceTime {
                 return Stamp::NotSeconds;
             }
         }
-        let drifted = self.difference + DRIFT * (arrival - before);
+        let slower = self.rate.of(arrival, arrival - time);
+        let drifted = self.difference + (slower + DRIFT) * (arrival - before);
         self.difference = drifted.min(arrival - time);
         let age = (arrival - time - self.difference).max(0.0);
         Stamp::At(now.saturating_sub(Duration::try_from_secs_f64(age).unwrap_or(now)))
@@ -96,6 +134,30 @@ mod tests {
             "{stamp:?}"
         );
         assert_eq!(time.of(1e6 + 0.021, MS * 122), Stamp::NotLater);
+    }
+
+    #[test]
+    fn a_slow_clock_is_followed_and_a_longer_delay_is_not_taken_for_one() {
+        // The largest age of a sample that arrives at once, with the clock of a device at this rate.
+        for (rate, largest) in [(0.995, 2), (0.98, 7), (1.02, 1)] {
+            let mut time = DeviceTime::default();
+            for ms in 0..60_000 {
+                let now = MS * ms;
+                let Stamp::At(stamp) = time.of(rate * now.as_secs_f64(), now) else {
+                    panic!("{rate}: {ms} ms");
+                };
+                assert!(now - stamp <= MS * largest, "{rate}: {ms} ms: {stamp:?}");
+            }
+        }
+        let mut time = DeviceTime::default();
+        for ms in 0..5_000 {
+            let sampled = MS * ms;
+            let delay = if ms < 2_000 { MS } else { MS * 30 };
+            let Stamp::At(stamp) = time.of(sampled.as_secs_f64(), sampled + delay) else {
+                panic!("{ms} ms");
+            };
+            assert!(stamp.abs_diff(sampled) < MS * 2, "{ms} ms: {stamp:?}");
+        }
     }
 
     #[test]

@@ -9,6 +9,7 @@
 )]
 
 use std::io::{ErrorKind, Read, Write};
+use std::net::UdpSocket;
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
@@ -171,11 +172,55 @@ fn watchdog_reports_port_gone_after_port_disappears() {
     let guarded = guarded(LIMIT);
     guarded.watchdog.force().unwrap();
     drop(guarded.board);
-    // The watchdog outlives the port, so the driver detects the loss at the port itself.
+    // The end of the watchdog tells a driver that does not notice the loss within the limit.
     sleep(3 * LIMIT);
+    assert!(guarded.watchdog.none().is_ok());
     assert!(guarded.watchdog.force().is_ok());
-    drop(guarded.watchdog);
     assert_eq!(guarded.watch.join().unwrap(), Outcome::PortGone);
+    drop(guarded.words);
+    assert_eq!(guarded.watchdog.force(), Err(Unguarded::Ended));
+    assert_eq!(guarded.account.lost(), Some(Unguarded::Ended));
+}
+
+/// A microcontroller restarts: its system refuses a packet. The socket of the watchdog must outlive that.
+#[test]
+fn a_refused_packet_is_no_lost_port() {
+    let board = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let address = board.local_addr().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap();
+    port.connect(address).unwrap();
+    port.set_nonblocking(true).unwrap();
+    let (driver, socket) = UnixStream::pair().unwrap();
+    let orders = Orders {
+        limit: LIMIT,
+        release: RELEASE.to_vec(),
+        probe: PROBE.to_vec(),
+        answer: ANSWER.len(),
+    };
+    let theirs = OwnedFd::from(port.try_clone().unwrap());
+    let watch = Watch::new(socket, theirs, orders).unwrap();
+    let watch = spawn(move || watch.run());
+    let watchdog = Watchdog::beside(driver, Arc::default()).unwrap();
+    drop(board);
+    watchdog.force().unwrap();
+    // The watchdog's packets are refused, and the driver's.
+    let begun = Instant::now();
+    while watchdog.has_cut() != Ok(true) {
+        assert!(begun.elapsed() < LONG, "the watchdog does not guard");
+        let _ = port.send(b"wrench");
+        sleep(Duration::from_millis(1));
+    }
+    let board = UdpSocket::bind(address).unwrap();
+    board.set_read_timeout(Some(LONG)).unwrap();
+    let mut bytes = [0; 64];
+    let length = board.recv(&mut bytes).unwrap();
+    assert_eq!(&bytes[..length], RELEASE);
+    // The next force is guarded, too.
+    watchdog.force().unwrap();
+    let length = board.recv(&mut bytes).unwrap();
+    assert_eq!(&bytes[..length], RELEASE);
+    watchdog.dismiss();
+    assert_eq!(watch.join().unwrap(), Outcome::Dismissed);
 }
 
 #[test]

@@ -415,7 +415,11 @@ impl RealTimeLoop {
 impl Drop for RealTimeLoop {
     fn drop(&mut self) {
         if self.process == std::process::id() {
-            let _ = self.end();
+            // A device in Python needs the interpreter's lock for its last tick.
+            let this: &Self = self;
+            if Python::try_attach(|py| py.detach(|| this.end())).is_none() {
+                let _ = this.end();
+            }
             return;
         }
         // Threads and device belong to the parent process: do not communicate with the device from here.

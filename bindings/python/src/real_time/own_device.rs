@@ -82,19 +82,17 @@ impl OwnDevice {
         })
     }
 
-    /// Calls the driver. An exception is kept for `Loop.stop` and ends the loop.
+    /// Calls the driver. The first exception is kept for `Loop.stop` and ends the loop.
     fn call<T>(
         &mut self,
         call: impl FnOnce(&Capabilities, &Bound<'_, PyAny>) -> PyResult<T>,
     ) -> Result<T, DeviceError> {
-        if self.has_failed {
-            return Err(raised());
-        }
         Python::attach(|py| {
             let driver = self.driver.bind(py);
             call(&self.capabilities, driver).map_err(|error| {
-                self.has_failed = true;
-                let _ = driver.setattr("_raised", error.into_value(py));
+                if !std::mem::replace(&mut self.has_failed, true) {
+                    let _ = driver.setattr("_raised", error.into_value(py));
+                }
                 raised()
             })
         })
@@ -191,6 +189,9 @@ impl Device for OwnDevice {
     }
 
     fn read(&mut self) -> Result<Pose, DeviceError> {
+        if self.has_failed {
+            return Err(raised());
+        }
         let read = self.call(|can, driver| sample(can, &driver.call_method0("read")?))?;
         let (position, orientation) = read.ok_or(DeviceError::new(
             DeviceErrorKind::NothingNew,
@@ -204,11 +205,19 @@ impl Device for OwnDevice {
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
-        let given = palpate_drivers::prepared::on_axes(&self.capabilities, wrench);
+        // After an exception the device still gets the zero force that ends the loop, and no other.
+        let given = if self.has_failed {
+            Wrench::NONE
+        } else {
+            palpate_drivers::prepared::on_axes(&self.capabilities, wrench)
+        };
         self.call(|can, driver| {
             let arguments = arguments(driver.py(), can, &given)?;
             driver.call_method1("write", arguments).map(|_| ())
         })?;
+        if self.has_failed {
+            return Err(raised());
+        }
         if wrench.is_finite() {
             Ok(given)
         } else {

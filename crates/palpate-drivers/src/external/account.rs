@@ -49,6 +49,7 @@ pub struct Account {
     /// Largest number of a message that the device has answered.
     answered: u64,
     time: DeviceTime,
+    is_old_by_its_clock: bool,
     round_trips: Durations,
     counts: Connection,
 }
@@ -75,6 +76,7 @@ impl Account {
             window: 0,
             answered: 0,
             time: DeviceTime::default(),
+            is_old_by_its_clock: false,
             round_trips: Durations::new(),
             counts: Connection::default(),
         }
@@ -154,6 +156,8 @@ impl Account {
             Some(time) => self.time.of(time, now),
             None => Stamp::At(now),
         };
+        self.is_old_by_its_clock = is_in_time
+            && matches!(stamp, Stamp::At(stamp) if now.saturating_sub(stamp) > self.answers_within);
         match stamp {
             Stamp::At(stamp) if is_in_time && now.saturating_sub(stamp) <= self.answers_within => {
                 self.counts.samples += 1;
@@ -169,6 +173,11 @@ impl Account {
             }
             Stamp::NotSeconds => Taken::NotSeconds,
         }
+    }
+
+    /// Whether the last sample arrived in time, and was too old only by the device's clock.
+    pub fn is_old_by_its_clock(&self) -> bool {
+        self.is_old_by_its_clock
     }
 
     /// Returns whether the sample is newer than all before, and counts those between.

@@ -9,6 +9,8 @@ use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::time::Duration;
 
+use super::protocol;
+
 /// The other end is closed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Closed;
@@ -58,6 +60,15 @@ impl Channel {
         matches!(self, Self::Packets(_))
     }
 
+    /// Returns the bytes that remove the force. A packet is one line.
+    pub fn zero(&self) -> &'static [u8] {
+        if self.has_packets() {
+            protocol::ZERO
+        } else {
+            protocol::ZERO_IN_A_STREAM
+        }
+    }
+
     /// Sends a line; returns the number of bytes that found room, 0 if none. A packet is sent completely or not at all.
     ///
     /// # Errors
@@ -66,14 +77,32 @@ impl Channel {
         let sent = match self {
             #[cfg(unix)]
             Self::Stream(stream) => (&mut &*stream).write(line),
-            Self::Packets(socket) => socket.send(line),
+            // A refusal is the answer to an earlier packet, and this one was not sent.
+            Self::Packets(socket) => socket.send(line).or_else(|error| {
+                if is_a_pause(&error) {
+                    Err(error)
+                } else {
+                    socket.send(line)
+                }
+            }),
         };
         match sent {
             Ok(sent) => Ok(sent),
-            // A refused packet is the answer to an earlier one: no program listens. Its silence ends the session.
+            // No program listens. Its silence ends the session.
             Err(error) if is_a_pause(&error) || self.has_packets() => Ok(0),
             Err(_) => Err(Closed),
         }
+    }
+
+    /// Whether a packet was refused since the last call of this, `send` or `receive`: no program listens.
+    pub fn is_refused(&self) -> bool {
+        let error = match self {
+            #[cfg(unix)]
+            Self::Stream(_) => return false,
+            Self::Packets(socket) => socket.take_error(),
+        };
+        let kind = error.ok().flatten().map(|error| error.kind());
+        kind == Some(ErrorKind::ConnectionRefused)
     }
 
     /// Reads what has arrived; returns the number of bytes, 0 if nothing has.

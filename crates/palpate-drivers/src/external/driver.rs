@@ -81,8 +81,8 @@ impl Inbox {
         }
     }
 
-    /// Copies the next line without its newline into `line` and returns its length. `None`: no line is complete.
-    /// `Some(None)`: it is too long.
+    /// Copies the next line without its newline into `line` and returns its length. `None`: no line is complete, or so
+    /// many bytes have no newline that the caller must look at its time. `Some(None)`: it is too long.
     pub fn next(
         &mut self,
         channel: &Channel,
@@ -106,6 +106,7 @@ impl Inbox {
             if self.filled == self.bytes.len() {
                 self.skips = true;
                 self.filled = 0;
+                return Ok(None);
             }
             let room = self.bytes.get_mut(self.filled..).unwrap_or(&mut []);
             match channel.receive(room)? {
@@ -190,7 +191,9 @@ impl<C: Clock> External<C> {
                     match self.account.takes(&sample, now) {
                         Taken::Missing => {}
                         Taken::NotSeconds => {
-                            fault = Some(refused("the device's time does not run in seconds"));
+                            fault = Some(refused(
+                                "the device's clock does not run in seconds; without such a clock it sends - for the time",
+                            ));
                         }
                         Taken::Fresh(time) => {
                             self.heard_at = now;
@@ -283,9 +286,10 @@ impl<C: Clock> External<C> {
         if let Some((text, from)) = left {
             let _ = self.channel.send(text.bytes().get(from..).unwrap_or(&[]));
         }
-        let _ = self.channel.send(protocol::ZERO);
+        let _ = self.channel.send(self.channel.zero());
         let _ = self.channel.send(protocol::END);
         self.channel.shut();
+        let mut said = Vec::new();
         #[cfg(unix)]
         {
             let ended = self.program.take().and_then(super::process::Program::end);
@@ -295,14 +299,17 @@ impl<C: Clock> External<C> {
                     watchdog.dismiss();
                 }
             }
-            if let (Some(how), Some(tell)) = (ended.filter(|_| self.is_gone), self.tell.take()) {
-                (tell.0)(format!("the program of the device has ended: {how}"));
+            if let Some(how) = ended.filter(|_| self.is_gone) {
+                said.push(format!("the program of the device has ended: {how}"));
             }
         }
         #[cfg(not(unix))]
         let _ = sent;
-        if let (Some(why), Some(tell)) = (self.reason().map(str::to_owned), self.tell.take()) {
-            (tell.0)(format!("the device reported an error: {why}"));
+        if let Some(why) = self.reason() {
+            said.push(format!("the device reported an error: {why}"));
+        }
+        if let Some(tell) = self.tell.take().filter(|_| !said.is_empty()) {
+            (tell.0)(said.join("; "));
         }
     }
 }
@@ -321,10 +328,12 @@ impl<C: Clock> Device for External<C> {
         }
         let fresh = self.sample(self.period / 2)?;
         if self.clock.now().saturating_sub(self.heard_at) > GIVES_UP_AFTER.max(self.period * 4) {
-            return Err(DeviceError::new(
-                DeviceErrorKind::Disconnected,
-                "the device has sent no valid sample for too long",
-            ));
+            let what = if self.account.is_old_by_its_clock() {
+                "the device's samples are too old by its clock; if that is wrong, it sends - for the time"
+            } else {
+                "the device has sent no valid sample for too long"
+            };
+            return Err(DeviceError::new(DeviceErrorKind::Disconnected, what));
         }
         self.check_watchdog()?;
         fresh.ok_or(DeviceError::new(
@@ -367,7 +376,7 @@ impl<C: Clock> Device for External<C> {
         struct Zero(Channel);
         impl ZeroWriter for Zero {
             fn write_zero(&mut self) {
-                let _ = self.0.send(protocol::ZERO);
+                let _ = self.0.send(self.0.zero());
             }
         }
         let channel = self.channel.try_clone().ok()?;
@@ -396,5 +405,27 @@ impl<C: Clock> Device for External<C> {
 impl<C: Clock> Drop for External<C> {
     fn drop(&mut self) {
         self.close();
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_without_a_newline_are_taken_in_bounded_parts() {
+        use std::io::Write;
+        let (ours, mut theirs) = std::os::unix::net::UnixStream::pair().unwrap();
+        ours.set_nonblocking(true).unwrap();
+        theirs.write_all(&[b'x'; 20 * LONGEST]).unwrap();
+        let channel = Channel::Stream(ours);
+        let (mut inbox, mut line) = (Inbox::new(), [0; LONGEST]);
+        assert_eq!(inbox.next(&channel, &mut line), Ok(None));
+        // The rest waits for the next call.
+        assert!(channel.receive(&mut [0; 8]).unwrap() > 0);
+        theirs.write_all(b"\nread\n").unwrap();
+        let found = std::iter::repeat_with(|| inbox.next(&channel, &mut line).unwrap());
+        let found: Vec<_> = found.take(5).flatten().collect();
+        assert_eq!(found, [None, Some(4)]);
     }
 }

@@ -1,7 +1,7 @@
 //! Opening of a device of another program.
 
 use std::io;
-use std::net::SocketAddr;
+use std::net::{SocketAddr, ToSocketAddrs};
 use std::time::Duration;
 
 use palpate_device::clock::Clock;
@@ -18,6 +18,8 @@ use crate::prepared::Guard;
 
 /// Time for the first answer: a program may load libraries before.
 const STARTS_WITHIN: Duration = Duration::from_secs(20);
+/// Time after which a refused packet ends the opening: the program may be starting.
+const REFUSES_WITHIN: Duration = Duration::from_secs(1);
 /// Time for the first sample after it.
 const SAMPLES_WITHIN: Duration = Duration::from_secs(2);
 /// Interval at which the first message to an address is repeated.
@@ -35,14 +37,39 @@ pub enum Place {
     Udp(SocketAddr),
 }
 
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            #[cfg(unix)]
+            Self::Process(words) => write!(f, "process:{}", words.join(" ")),
+            Self::Udp(address) => write!(f, "udp:{address}"),
+        }
+    }
+}
+
 impl Place {
+    /// Returns the device at an address and a port.
+    ///
+    /// # Errors
+    /// The resolver's, or the port is 0.
+    pub fn udp(at: impl ToSocketAddrs) -> io::Result<Self> {
+        let mut found = at.to_socket_addrs()?;
+        match found.next() {
+            Some(address) if address.port() == 0 => {
+                Err(io::Error::other("the port is 0, but must be 1 to 65535"))
+            }
+            Some(address) => Ok(Self::Udp(address)),
+            None => Err(io::Error::other("the name has no address")),
+        }
+    }
+
     /// Returns a name of the device that is the same for two devices at one place. `None`: each start makes another.
     #[must_use]
     pub fn identity(&self) -> Option<String> {
         match self {
             #[cfg(unix)]
             Self::Process(_) => None,
-            Self::Udp(address) => Some(format!("udp:{address}")),
+            Self::Udp(_) => Some(self.to_string()),
         }
     }
 }
@@ -68,18 +95,21 @@ pub enum OpenError {
         error: io::Error,
     },
     /// The program ended.
-    #[error("its program has ended before it answered `hello`: {0}")]
-    Ended(String),
+    #[error("the program of {0} has ended before it answered `hello`: {1}")]
+    Ended(Place, String),
     /// No answer.
-    #[error("it has not answered `hello` within {} s", .0.as_secs())]
-    Silent(Duration),
+    #[error("{place} has not answered `hello` within {} s", .1.as_secs(), place = .0)]
+    Silent(Place, Duration),
+    /// No program has the port.
+    #[error("{0} refuses packets: no program listens there; start it first")]
+    Refused(Place),
     /// A wrong answer.
     #[error("{0}")]
     Introduction(String),
     /// No sample followed.
-    #[error("it has sent no valid sample within {} s: {} unreadable, {} late; needed: sample N ANSWERED TIME X ...",
-            .0.as_secs(), .1.unreadable, .1.late)]
-    NoSample(Duration, palpate_device::Connection),
+    #[error("{place} has sent no valid sample within {} s: {} unreadable, {} late; needed: sample N ANSWERED TIME X ...",
+            .1.as_secs(), .2.unreadable, .2.late, place = .0)]
+    NoSample(Place, Duration, palpate_device::Connection),
     /// The device failed at once.
     #[error("{error}{}", .reason.as_ref().map_or_else(String::new, |reason| format!(": {reason}")))]
     Device {
@@ -109,10 +139,11 @@ impl<C: Clock> External<C> {
         let mut starting = start(place)?;
         let mut inbox = Inbox::new();
         let hello = protocol::hello(period, silence);
-        let made = introduce(&starting.channel, &mut inbox, hello.bytes(), &clock);
+        let made = introduce(place, &starting.channel, &mut inbox, hello.bytes(), &clock);
         #[cfg(unix)]
         let made = made.map_err(|error| match error {
-            OpenError::Ended(how) => OpenError::Ended(
+            OpenError::Ended(place, how) => OpenError::Ended(
+                place,
                 starting
                     .program
                     .take()
@@ -145,13 +176,13 @@ impl<C: Clock> External<C> {
         };
         // Until a watchdog process runs, the loop's own end is the only one that may leave a force.
         device.capabilities.holds_last_force = true;
-        device.first_samples(answers_within(period, made.sends_every))?;
+        device.first_samples(place, answers_within(period, made.sends_every))?;
         device.tell = Some(Tell(Box::new(tell)));
         Ok(device)
     }
 
     /// Waits for the first samples, which measure the round trip.
-    fn first_samples(&mut self, patience: Duration) -> Result<(), OpenError> {
+    fn first_samples(&mut self, place: &Place, patience: Duration) -> Result<(), OpenError> {
         let mut left = TRIALS;
         let begun = self.clock.now();
         while left > 0 {
@@ -164,7 +195,7 @@ impl<C: Clock> External<C> {
                 left -= 1;
             } else if left == TRIALS && self.clock.now().saturating_sub(begun) > SAMPLES_WITHIN {
                 let found = self.connection().unwrap_or_default();
-                return Err(OpenError::NoSample(SAMPLES_WITHIN, found));
+                return Err(OpenError::NoSample(place.clone(), SAMPLES_WITHIN, found));
             } else if left < TRIALS && self.clock.now().saturating_sub(begun) > SAMPLES_WITHIN {
                 break;
             } else {
@@ -185,7 +216,7 @@ impl<C: Clock> External<C> {
         use std::os::fd::AsFd;
         let orders = Orders {
             limit: guard.limit,
-            release: protocol::ZERO.to_vec(),
+            release: self.channel.zero().to_vec(),
             probe: protocol::PROBE.to_vec(),
             answer: protocol::SHORTEST_ANSWER,
         };
@@ -242,6 +273,7 @@ fn start(place: &Place) -> Result<Starting, OpenError> {
 
 /// Sends `hello` until the device introduces itself.
 fn introduce<C: Clock>(
+    place: &Place,
     channel: &Channel,
     inbox: &mut Inbox,
     hello: &[u8],
@@ -253,14 +285,19 @@ fn introduce<C: Clock>(
     loop {
         let now = clock.now();
         if now.saturating_sub(begun) > STARTS_WITHIN {
-            return Err(OpenError::Silent(STARTS_WITHIN));
+            return Err(OpenError::Silent(place.clone(), STARTS_WITHIN));
         }
+        let mut is_refused = channel.is_refused();
         let is_due = said
             .is_none_or(|said| channel.has_packets() && now.saturating_sub(said) >= REPEATS_EVERY);
         if is_due {
             said = Some(now);
             // A refused packet is repeated; a stream has room for its first line.
             let _ = channel.send(hello);
+            is_refused |= channel.is_refused();
+        }
+        if is_refused && now.saturating_sub(begun) > REFUSES_WITHIN {
+            return Err(OpenError::Refused(place.clone()));
         }
         match inbox.next(channel, &mut line) {
             Ok(None) => channel.wait(REPEATS_EVERY),
@@ -274,7 +311,10 @@ fn introduce<C: Clock>(
                     return Introduction::parse(heard).map_err(OpenError::Introduction);
                 }
             }
-            Err(Closed) => return Err(OpenError::Ended("its output is closed".to_owned())),
+            Err(Closed) => {
+                let how = "its output is closed".to_owned();
+                return Err(OpenError::Ended(place.clone(), how));
+            }
         }
     }
 }

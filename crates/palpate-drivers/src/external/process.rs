@@ -8,6 +8,8 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
+use rustix::process::{Pid, Signal, kill_process_group};
+
 use super::channel::Channel;
 
 /// Time for ending by itself after the end of its input.
@@ -68,7 +70,9 @@ impl Drop for Program {
     }
 }
 
+/// Kills the program and its children, which are a process group.
 fn kill(child: &mut Child) {
+    let _ = kill_process_group(Pid::from_child(child), Signal::KILL);
     let _ = child.kill();
     let _ = child.wait();
 }

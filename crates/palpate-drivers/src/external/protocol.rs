@@ -11,8 +11,10 @@ pub const VERSION: u32 = 1;
 /// Longest line `[byte]`, with its end.
 pub const LONGEST: usize = 512;
 
-/// Removes the force. The first newline ends a line that was not sent completely.
-pub const ZERO: &[u8] = b"\nzero\n";
+/// Removes the force.
+pub const ZERO: &[u8] = b"zero\n";
+/// Removes the force in a stream: the first newline ends a line that was not sent completely.
+pub const ZERO_IN_A_STREAM: &[u8] = b"\nzero\n";
 /// Requests a sample after the loop has ended.
 pub const PROBE: &[u8] = b"read 0\n";
 /// Shortest answer to a request `[byte]`.

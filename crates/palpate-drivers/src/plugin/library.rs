@@ -146,7 +146,7 @@ impl Opened {
             path.to_path_buf()
         };
         // SAFETY: Loading runs the library's initializers. The user names the library, as the program that is run.
-        let library = unsafe { Library::new(&path) }.map_err(LibraryError::Load)?;
+        let library = unsafe { load(&path) }.map_err(LibraryError::Load)?;
         let version: Version = function(&library, "palpate_device_version")?;
         // SAFETY: The header declares this signature.
         let found = unsafe { version() };
@@ -263,13 +263,32 @@ impl Drop for Opened {
     }
 }
 
+/// Loads a library with all functions that it calls: one that is missing is an error here, and not in a tick.
+///
+/// # Safety
+/// The library's initializers run.
+unsafe fn load(path: &Path) -> Result<Library, libloading::Error> {
+    #[cfg(unix)]
+    {
+        use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+        // SAFETY: As above.
+        unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map(Into::into)
+    }
+    #[cfg(not(unix))]
+    // SAFETY: As above.
+    unsafe {
+        Library::new(path)
+    }
+}
+
 /// Returns a function of the library; `F` is its type in the header.
 fn function<F: Copy>(library: &Library, name: &'static str) -> Result<F, LibraryError> {
-    // SAFETY: The type is that of the header, whose version the library has.
-    let found: Result<Symbol<'_, F>, _> = unsafe { library.get(name.as_bytes()) };
+    // SAFETY: The type is that of the header, whose version the library has. A symbol may be null.
+    let found: Result<Symbol<'_, Option<F>>, _> = unsafe { library.get(name.as_bytes()) };
     found
-        .map(|found| *found)
-        .map_err(|_| LibraryError::Symbol(name))
+        .ok()
+        .and_then(|found| *found)
+        .ok_or(LibraryError::Symbol(name))
 }
 
 /// Copies a text of the library.

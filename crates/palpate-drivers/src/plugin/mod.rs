@@ -197,7 +197,9 @@ impl<C: Clock> Device for Plugin<C> {
                 Stamp::At(time) => time,
                 Stamp::NotLater => return Err(self.failed(NOTHING_NEW)),
                 Stamp::NotSeconds => {
-                    return Err(refused("the plug-in's time does not run in seconds"));
+                    return Err(refused(
+                        "the plug-in's clock does not run in seconds; without such a clock has_time is 0",
+                    ));
                 }
             }
         };

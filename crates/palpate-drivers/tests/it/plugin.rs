@@ -146,6 +146,26 @@ fn an_unusable_library_is_named() {
     }
 }
 
+/// Other systems do not link such a library.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_library_that_calls_a_missing_function_is_refused_at_opening() {
+    let number = "sample->position_m[0] = device->position;";
+    let folder = tempfile::tempdir().unwrap();
+    let path = library(
+        folder.path(),
+        &[
+            (
+                "#include <stdlib.h>",
+                "#include <stdlib.h>\ndouble no_such_sensor(void);",
+            ),
+            (number, "sample->position_m[0] = no_such_sensor();"),
+        ],
+    );
+    let error = open(&path).unwrap_err().to_string();
+    assert!(error.contains("no_such_sensor"), "{error}");
+}
+
 #[test]
 fn wrong_values_and_codes_are_no_samples_and_the_reason_is_said() {
     let number = "sample->position_m[0] = device->position;";

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
+use rustix::net::sockopt::socket_error;
 
 use super::{CUT, DISMISSED, FORCE, NONE, Orders, TRIES_FOR, WORD, monotonic};
 
@@ -132,8 +133,21 @@ impl Watch {
         // An interrupted wait only ends earlier.
         let _ = poll(&mut fds, timeout.as_ref());
         let [_, port] = &fds;
-        let hung_up = PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL;
-        port.revents().intersects(hung_up)
+        self.is_lost(port.revents())
+    }
+
+    /// Returns whether these events mean that the port is lost. A refused packet does not.
+    fn is_lost(&self, events: PollFlags) -> bool {
+        if events.intersects(PollFlags::HUP | PollFlags::NVAL) {
+            return true;
+        }
+        events.contains(PollFlags::ERR)
+            && match socket_error(&self.port) {
+                Ok(Ok(())) => false,
+                Ok(Err(error)) => !is_of_a_packet(error),
+                // No socket.
+                Err(_) => true,
+            }
     }
 
     /// Reads the messages of the driver.
@@ -163,12 +177,7 @@ impl Watch {
 
     /// Processes a complete message and returns its kind.
     fn take_word(&mut self) -> u8 {
-        let mut time = [0; 8];
-        for (place, byte) in time.iter_mut().zip(self.begun.iter().skip(1)) {
-            *place = *byte;
-        }
-        let what = self.begun.first().copied().unwrap_or(NONE);
-        let time = Duration::from_nanos(u64::from_le_bytes(time));
+        let (what, time) = parts(&self.begun);
         self.begun.clear();
         match what {
             FORCE => {
@@ -234,11 +243,19 @@ impl Watch {
     }
 
     fn write(&self, bytes: &[u8]) -> Result<usize, Gone> {
+        let mut is_repeated = false;
         loop {
             return match rustix::io::write(&self.port, bytes) {
                 Ok(written) => Ok(written),
                 Err(Errno::AGAIN) => Ok(0),
                 Err(Errno::INTR) => continue,
+                // The error belongs to an earlier packet; this one was not sent.
+                Err(error) if is_of_a_packet(error) && !is_repeated => {
+                    is_repeated = true;
+                    continue;
+                }
+                // No way to the board at present: the packet counts as lost, and is repeated as one without an answer.
+                Err(error) if is_of_a_packet(error) => Ok(bytes.len()),
                 Err(_) => Err(Gone),
             };
         }
@@ -254,6 +271,7 @@ impl Watch {
                 Ok(0) | Err(Errno::AGAIN) => break,
                 Ok(read) => all += read,
                 Err(Errno::INTR) => {}
+                Err(error) if is_of_a_packet(error) => {}
                 Err(_) => return Err(Gone),
             }
         }
@@ -333,30 +351,62 @@ impl Watch {
         let _ = poll(&mut fds, Some(&timespec(limit)));
         let [port] = &fds;
         let happened = port.revents();
-        if happened.intersects(PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL) {
+        if self.is_lost(happened) {
             return Err(Gone);
         }
         Ok(happened.intersects(events))
     }
 
     /// Closes a lost port, so that it can reappear under its name, and waits for the end of the loop, which detects
-    /// the loss itself.
+    /// the loss itself. If it has not within the limit, its next force has no watchdog: the end of this process tells it.
     fn outlive_the_port(self) -> Outcome {
         let Self {
-            mut socket, port, ..
+            mut socket,
+            port,
+            orders,
+            mut begun,
+            ..
         } = self;
         drop(port);
+        let until = monotonic() + orders.limit;
         let _ = socket.set_nonblocking(false);
-        let mut bytes = [0; MANY];
+        let mut bytes = [0; WORD];
         loop {
-            match socket.read(&mut bytes) {
+            let room = bytes.get_mut(begun.len()..).unwrap_or(&mut []);
+            match socket.read(room) {
                 Ok(0) => return Outcome::PortGone,
-                Err(error) if error.kind() != ErrorKind::Interrupted => return Outcome::PortGone,
+                Ok(read) => begun.extend(room.iter().take(read)),
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(_) => return Outcome::PortGone,
+            }
+            if begun.len() == WORD {
+                let (what, time) = parts(&begun);
+                begun.clear();
                 // A final message may be the dismissal.
-                _ => {}
+                if what == FORCE && time > until {
+                    return Outcome::PortGone;
+                }
             }
         }
     }
+}
+
+/// Returns kind and time of a complete message.
+fn parts(word: &[u8]) -> (u8, Duration) {
+    let mut time = [0; 8];
+    for (place, byte) in time.iter_mut().zip(word.iter().skip(1)) {
+        *place = *byte;
+    }
+    let what = word.first().copied().unwrap_or(NONE);
+    (what, Duration::from_nanos(u64::from_le_bytes(time)))
+}
+
+/// Returns whether an error of a socket belongs to an earlier packet without a receiver. The socket remains usable.
+fn is_of_a_packet(error: Errno) -> bool {
+    matches!(
+        error,
+        Errno::CONNREFUSED | Errno::HOSTUNREACH | Errno::NETUNREACH
+    )
 }
 
 fn timespec(duration: Duration) -> Timespec {

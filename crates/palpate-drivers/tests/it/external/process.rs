@@ -1,6 +1,8 @@
 //! Programs of devices, here of the shell.
 
+use std::process::Command;
 use std::sync::mpsc::channel;
+use std::time::Duration;
 
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Device, DeviceErrorKind, Wrench};
@@ -78,6 +80,38 @@ fn a_program_that_ends_is_a_lost_device_and_its_status_is_said() {
     drop(device);
     let said = hears.recv().unwrap();
     assert!(said.contains("has ended: exit status: 7"), "{said}");
+}
+
+#[test]
+fn the_words_of_a_device_that_refuses_are_said() {
+    let (told, hears) = channel();
+    let tell = move |text| told.send(text).unwrap();
+    let read = "if [ $n = 21 ]; then echo error the motor is hot; fi; echo sample $n $n - 0";
+    let mut device = opened(read, tell).unwrap();
+    assert_eq!(device.read().unwrap_err().kind, DeviceErrorKind::Refused);
+    drop(device);
+    assert_eq!(
+        hears.try_recv().unwrap(),
+        "the device reported an error: the motor is hot"
+    );
+}
+
+#[test]
+fn what_a_killed_program_has_started_is_killed_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    let made = Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    let script = format!(
+        "exec 3> '{}'; sleep 60 & echo ready; read line; read line",
+        pipe.display()
+    );
+    let (closes, closed) = channel();
+    std::thread::spawn(move || closes.send(std::fs::read(pipe)));
+    run(&["sh", "-c", &script], |_| {}).unwrap_err();
+    // The last of them has closed the pipe.
+    let ended = closed.recv_timeout(Duration::from_secs(20));
+    assert!(ended.unwrap().unwrap().is_empty());
 }
 
 #[test]

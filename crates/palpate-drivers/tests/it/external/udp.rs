@@ -80,6 +80,37 @@ fn a_wrench_goes_out_within_the_limits_and_the_session_ends_with_zero() {
     assert_eq!(heard[heard.len() - 2..], ["zero", "end"]);
 }
 
+/// A microcontroller restarts: its system refuses a packet, and the next zero must arrive, as one line.
+#[test]
+fn a_zero_after_a_refused_packet_arrives_as_one_line() {
+    let board = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let address = board.local_addr().unwrap();
+    let restarts = spawn(move || {
+        let mut bytes = [0; 1000];
+        loop {
+            let (length, from) = board.recv_from(&mut bytes).unwrap();
+            let line = std::str::from_utf8(&bytes[..length]).unwrap();
+            let answer = match words(line)[..] {
+                ["hello", ..] => INTRODUCTION.to_owned(),
+                ["read", n] => format!("sample {n} {n} - 0 0"),
+                _ => return,
+            };
+            board.send_to(answer.as_bytes(), from).unwrap();
+        }
+    });
+    let mut device = opened(address).unwrap();
+    let force = Wrench::of_force([1.0, 0.0, 0.0]);
+    device.write(force).unwrap();
+    restarts.join().unwrap();
+    let _ = device.write(force);
+    let board = UdpSocket::bind(address).unwrap();
+    board.set_read_timeout(Some(TIMES.1)).unwrap();
+    device.zero_writer().unwrap().write_zero();
+    let mut bytes = [0; 1000];
+    let length = board.recv(&mut bytes).unwrap();
+    assert_eq!(&bytes[..length], b"zero\n");
+}
+
 #[test]
 fn what_a_network_does_is_counted_and_counts_as_missing() {
     // The answers to the reads of the loop, after those of the opening.
@@ -143,7 +174,10 @@ fn a_device_that_sends_by_itself_is_not_asked() {
     for _ in 0..3 {
         device.write(Wrench::of_force([0.5, 0.0, 0.0])).unwrap();
         while found.is_none() {
-            found = device.read().ok();
+            found = match device.read() {
+                Err(error) if error.kind == DeviceErrorKind::NothingNew => None,
+                read => Some(read.unwrap()),
+            };
             std::thread::yield_now();
         }
         assert_eq!(found.take().unwrap().position[0], 0.5);
@@ -217,6 +251,23 @@ fn a_silent_device_is_gone() {
     assert!(device.connection().unwrap().lost > 10);
     drop(device);
     ended.join().unwrap();
+}
+
+/// It waits a second: a program that is starting.
+#[test]
+fn a_port_without_a_program_and_a_wrong_address_are_named() {
+    let address = UdpSocket::bind("127.0.0.1:0")
+        .unwrap()
+        .local_addr()
+        .unwrap();
+    let error = opened(address).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        format!("udp:{address} refuses packets: no program listens there; start it first")
+    );
+    let error = Place::udp("127.0.0.1:0").unwrap_err().to_string();
+    assert!(error.contains("the port is 0"), "{error}");
+    assert!(Place::udp("no.such.host.invalid:5005").is_err());
 }
 
 #[test]
