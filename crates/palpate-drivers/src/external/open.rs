@@ -109,7 +109,7 @@ pub enum OpenError {
     /// No sample followed.
     #[error("{place} has sent no valid sample within {} s: {} unreadable, {} late; needed: sample N ANSWERED TIME X ...",
             .1.as_secs(), .2.unreadable, .2.late, place = .0)]
-    NoSample(Place, Duration, palpate_device::Connection),
+    NoSample(Place, Duration, Box<palpate_device::Connection>),
     /// The device failed at once.
     #[error("{error}{}", .reason.as_ref().map_or_else(String::new, |reason| format!(": {reason}")))]
     Device {
@@ -194,7 +194,7 @@ impl<C: Clock> External<C> {
             if sample.is_some() {
                 left -= 1;
             } else if left == TRIALS && self.clock.now().saturating_sub(begun) > SAMPLES_WITHIN {
-                let found = self.connection().unwrap_or_default();
+                let found = Box::new(self.connection().unwrap_or_default());
                 return Err(OpenError::NoSample(place.clone(), SAMPLES_WITHIN, found));
             } else if left < TRIALS && self.clock.now().saturating_sub(begun) > SAMPLES_WITHIN {
                 break;
