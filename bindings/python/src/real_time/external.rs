@@ -1,6 +1,5 @@
 //! Devices of other programs, with their watchdog process, and of shared libraries.
 
-use std::net::ToSocketAddrs;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -40,20 +39,21 @@ impl ExternalGiven {
             )));
         }
         let (host, port) = self.address.clone().unwrap_or_default();
-        let found = (host.as_str(), port).to_socket_addrs();
-        let address = found.ok().and_then(|mut found| found.next());
-        let address = address.ok_or_else(|| {
+        let place = Place::udp((host.as_str(), port)).map_err(|error| {
             refused(format!(
-                "address is \"{host}:{port}\", but must be an address and a port"
+                "address is \"{host}:{port}\", but must be an address and a port: {error}"
             ))
         })?;
-        if !address.ip().is_loopback() && !self.allow_remote {
+        if let Place::Udp(address) = &place
+            && !address.ip().is_loopback()
+            && !self.allow_remote
+        {
             return Err(refused(format!(
                 "address is {address}, which is on another machine; allow_remote=True permits it, for packets that are \
                  neither encrypted nor authenticated"
             )));
         }
-        Ok(Place::Udp(address))
+        Ok(place)
     }
 }
 

@@ -2,7 +2,6 @@
 
 use std::ffi::OsStr;
 use std::io::IsTerminal;
-use std::net::ToSocketAddrs;
 use std::path::PathBuf;
 
 use clap::builder::{EnumValueParser, PossibleValue, TypedValueParser};
@@ -316,13 +315,10 @@ impl OwnDevice {
             });
         }
         let address = text.strip_prefix("udp:")?;
-        let found = address.to_socket_addrs().ok();
-        let found = found.and_then(|mut found| found.next());
-        Some(
-            found
-                .map(|address| Self::Program(Place::Udp(address)))
-                .ok_or_else(|| "needed: udp:ADDRESS:PORT, such as udp:127.0.0.1:5005".to_owned()),
-        )
+        let place = Place::udp(address).map_err(|error| {
+            format!("{error}; needed: udp:ADDRESS:PORT, such as udp:127.0.0.1:5005")
+        });
+        Some(place.map(Self::Program))
     }
 }
 
