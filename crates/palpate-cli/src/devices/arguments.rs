@@ -114,7 +114,7 @@ pub enum OnOff {
 impl DeviceArguments {
     /// Whether a device that holds its last force gets a watchdog process, which cannot reach the device of a library.
     pub fn is_guarded(&self) -> bool {
-        self.watchdog != Some(OnOff::Off) && self.kind() != DeviceName::Plugin
+        cfg!(unix) && self.watchdog != Some(OnOff::Off) && self.kind() != DeviceName::Plugin
     }
 
     /// Returns the kind of the first named device.

@@ -187,6 +187,7 @@ fn warn_if_unguarded(device: &dyn Device, arguments: &DeviceArguments) {
     if device.capabilities().holds_last_force && !arguments.is_guarded() {
         let why = match arguments.kind() {
             DeviceName::Plugin => "no watchdog process reaches the device of a plug-in",
+            _ if cfg!(not(unix)) => "a watchdog process needs Linux or macOS",
             _ => "--watchdog off",
         };
         tell(format_args!(
