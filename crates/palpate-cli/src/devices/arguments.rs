@@ -18,7 +18,7 @@ use crate::values::{BoardName, FrameVector, StartPose, WorldAxes, place, start_p
 #[command(next_help_heading = "Device")]
 pub struct DeviceArguments {
     /// Device; for each device of a world with several, --device "NAME=DEVICE FLAGS", with its name in the scene and
-    /// its flags in the same quotes. A device of your own: process:"COMMAND", udp:ADDRESS:PORT
+    /// its flags in the same quotes, such as 'left=process:"COMMAND" --normal 1,0'. A device of your own: process:"COMMAND", udp:ADDRESS:PORT
     /// or plugin:LIBRARY[,ARGUMENT]
     #[arg(long, value_name = "NAME", value_parser = ChoiceParser, default_value = "simulated")]
     pub device: Vec<Choice>,
@@ -112,7 +112,8 @@ pub enum OnOff {
 }
 
 impl DeviceArguments {
-    /// Whether a device that holds its last force gets a watchdog process, which cannot reach the device of a library.
+    /// Whether a device that holds its last force gets a watchdog process, which cannot reach the device of a library and
+    /// needs a Unix system.
     pub fn is_guarded(&self) -> bool {
         cfg!(unix) && self.watchdog != Some(OnOff::Off) && self.kind() != DeviceName::Plugin
     }
@@ -369,12 +370,20 @@ impl TypedValueParser for ChoiceParser {
                 "NAME=DEVICE FLAGS is needed, such as \"left=inverse3 --device-id 049D\"",
             ));
         }
+        let is_program = flags.trim_start().starts_with("process:");
         let flags = words(flags).map_err(|why| refused(&why))?;
         let flags = std::iter::once("--device".to_owned()).chain(flags);
         let behind = Behind::try_parse_from(flags).map_err(|error| {
             let text = error.to_string();
             let first = text.lines().next().unwrap_or_default();
-            refused(first.strip_prefix("error: ").unwrap_or(first))
+            let first = first.strip_prefix("error: ").unwrap_or(first);
+            if is_program {
+                return refused(&format!(
+                    "{first}; a command with spaces needs quotes of its own: --device '{}=process:\"COMMAND\" FLAGS'",
+                    name.trim()
+                ));
+            }
+            refused(first)
         })?;
         if !matches!(
             behind.arguments.device[..],

@@ -175,6 +175,18 @@ fn wrong_devices_are_named() {
             1,
             "has ended before it answered `hello`: exit status: 1",
         ),
+        (
+            "left=process:sh dies.sh",
+            "",
+            2,
+            "--device 'left=process:\"COMMAND\" FLAGS'",
+        ),
+        (
+            "left=process:\"sh dies.sh\" --normal 1,0",
+            "",
+            2,
+            "this command takes one device",
+        ),
         ("udp:nowhere", "", 2, "udp:127.0.0.1:5005"),
         ("udp:192.0.2.1:5005", "", 2, "--allow-remote permits it"),
         (
