@@ -50,9 +50,40 @@ fn changed(edits: &[(&str, &str)]) -> Result<Plugin<SteppedClock>, PluginError> 
     open(&library(folder.path(), edits))
 }
 
+/// Compiles the example in Rust.
+fn library_in_rust(folder: &Path) -> PathBuf {
+    let library = folder.join("libdevice.so");
+    let made = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
+        .args([
+            "--edition",
+            "2024",
+            "--crate-type",
+            "cdylib",
+            "-D",
+            "warnings",
+            "-o",
+        ])
+        .args([
+            library.as_os_str(),
+            root().join("examples/own_device/my_device.rs").as_os_str(),
+        ])
+        .status();
+    assert!(made.unwrap().success());
+    library
+}
+
 #[test]
-fn the_example_is_a_device() {
-    let mut device = changed(&[]).unwrap();
+fn the_example_in_c_is_a_device() {
+    is_the_device(changed(&[]).unwrap());
+}
+
+#[test]
+fn the_example_in_rust_is_the_same_device() {
+    let folder = tempfile::tempdir().unwrap();
+    is_the_device(open(&library_in_rust(folder.path())).unwrap());
+}
+
+fn is_the_device(mut device: Plugin<SteppedClock>) {
     let can = device.capabilities();
     assert_eq!(
         (can.name.as_str(), can.axes, can.torque_axes),
