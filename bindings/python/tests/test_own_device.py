@@ -151,6 +151,9 @@ def test_a_program_is_a_device() -> None:
     with palpate.Loop(device, palpate.Renderer(**WALL)) as loop:
         assert loop.device_name == "my device"
         wait_for_force(loop, 0.5)
+        (connection,) = loop.stop().connections
+    assert connection is not None and connection.round_trip is not None
+    assert connection.samples > 0 and 0.0 < connection.round_trip.median <= connection.round_trip.longest
     with pytest.raises(OSError, match="/no/such/program cannot be started"):
         palpate.Loop(Process("/no/such/program"), palpate.Renderer(**WALL))
     with pytest.raises(ValueError, match="command is empty"):
@@ -166,6 +169,7 @@ def test_a_shared_library_is_a_device(tmp_path: Path) -> None:
     with palpate.Loop(Plugin(library), palpate.Renderer(**{**WALL, "period": 0.001})) as loop:
         assert loop.device_name == "my device"
         wait_for_force(loop, 0.5)
+        assert loop.stop().connections == (None,)
     with pytest.raises(OSError, match="the plug-in .*nothing.so: .*cannot open"):
         palpate.Loop(Plugin(tmp_path / "nothing.so"), palpate.Renderer(**WALL))
 

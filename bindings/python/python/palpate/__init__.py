@@ -18,7 +18,7 @@ All values are in SI units. The name of a number in an array or a report ends wi
 
 from . import devices
 from ._device_file import Calibration, DeviceReport, Excitation, calibrate, report
-from ._loop import Granted, Loop, LoopError, LoopReport, LoopStatus, Spread
+from ._loop import Connection, Granted, Loop, LoopError, LoopReport, LoopStatus, Spread
 from ._methods import METHODS, Method, Setting
 from ._palpate import __version__
 from ._recording import BODIES, DEVICES, FLAGS, RECORDED, Event, Recording, read_recording
@@ -60,6 +60,7 @@ __all__ = [
     "BodyState",
     "EnergyLedger",
     "Calibration",
+    "Connection",
     "ContactLedger",
     "ContactState",
     "DeviceLedger",

@@ -6,7 +6,7 @@ import atexit
 import os
 import sys
 import weakref
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Any, ClassVar, NamedTuple, NoReturn
 
@@ -70,6 +70,27 @@ class LoopStatus(NamedTuple):
     """Reported force of each device [N], in the order of the world."""
 
 
+class Connection(NamedTuple):
+    """Messages of a loop to and from a device of another program: a `Process` or a `Udp`."""
+
+    samples: int
+    """Number of accepted samples."""
+    lost: int
+    """Number of samples that never arrived."""
+    late: int
+    """Number of samples that arrived too late."""
+    reordered: int
+    """Number of samples that arrived after a newer one."""
+    duplicate: int
+    """Number of samples that arrived again."""
+    unreadable: int
+    """Number of invalid messages."""
+    untaken: int
+    """Number of commands that the device did not take."""
+    round_trip: Spread | None
+    """Time from a message to its answer [s]; `None`: not measured."""
+
+
 class LoopReport(NamedTuple):
     """Final report of a loop."""
 
@@ -101,6 +122,14 @@ class LoopReport(NamedTuple):
     """Number of ticks missing from the recording; `None` without a recording."""
     device: str | None = None
     """Name of the device with the safety stop; `None` for a single device or without a safety stop."""
+    connections: tuple[Connection | None, ...] = ()
+    """Connection to each device, in the order of the world; `None` for a device that is not of another program."""
+
+
+def _connection(counts: Sequence[int], times: Sequence[float] | None) -> Connection:
+    samples, lost, late, reordered, duplicate, unreadable, untaken = counts
+    round_trip = None if times is None else Spread(*times)
+    return Connection(samples, lost, late, reordered, duplicate, unreadable, untaken, round_trip)
 
 
 class Loop(Fixed, _palpate.Loop):
@@ -269,9 +298,11 @@ class Loop(Fixed, _palpate.Loop):
             LoopError: The loop or its shutdown failed. It is raised once; `report` has the details.
         """
         _RUNNING.discard(self)
-        (ending, failure, safety_stop, device), counts, (lateness, duration), recorded = super().stop()
+        (ending, failure, safety_stop, device), counts, (lateness, duration), recorded, connections = super().stop()
         made, lost = (None, None) if recorded is None else recorded
-        report = LoopReport(ending, failure, safety_stop, *counts, Spread(*lateness), Spread(*duration), made, lost, device)
+        times = (Spread(*lateness), Spread(*duration))
+        with_each = tuple(None if values is None else _connection(*values) for values in connections)
+        report = LoopReport(ending, failure, safety_stop, *counts, *times, made, lost, device, with_each)
         self._found(report=report)
         if failure is not None and not self._said:
             self._said = True

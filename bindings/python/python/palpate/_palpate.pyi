@@ -143,6 +143,7 @@ class Loop:
         tuple[int, int, int, int, int, int],
         tuple[_Times, _Times],
         tuple[int, int] | None,
+        list[tuple[list[int], list[float] | None] | None],
     ]: ...
     def take(self, wait: float) -> tuple[_Words, _Words, _Words]: ...
 

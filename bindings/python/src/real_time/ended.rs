@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, OnceLock};
 
-use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
+use palpate_device::{Connection, Device};
 use palpate_rt::{Account, Durations, Ending, LoopEnd, Recorder, Renders};
 
 /// Message of a device at its end.
@@ -38,11 +38,17 @@ pub struct Ended {
     /// Median, 99 % and longest duration of a tick `[s]`.
     duration: [f64; 3],
     recorded: Option<(u64, u64)>,
+    /// Connection to each device of another program.
+    connections: Vec<Option<Connection>>,
 }
+
+/// Samples, lost, late, reordered, duplicate and unreadable ones, commands not taken; round trip: median, 99 % and
+/// longest `[s]`.
+pub type ConnectionValues = ([u64; 7], Option<[f64; 3]>);
 
 /// Ending, failure, safety stop and its device if there are several; ticks, missed deadlines, ticks without a
 /// sample, ticks with a rejected sample, ticks with disabled motors, cuts; lateness, duration; ticks in the
-/// recording and missing ticks.
+/// recording and missing ticks; the connection to each device of another program.
 pub type EndValues = (
     (
         Option<&'static str>,
@@ -53,6 +59,7 @@ pub type EndValues = (
     (u64, u64, u64, u64, u64, u64),
     ([f64; 3], [f64; 3]),
     Option<(u64, u64)>,
+    Vec<Option<ConnectionValues>>,
 );
 
 impl Ended {
@@ -72,6 +79,7 @@ impl Ended {
             lateness: [0.0; 3],
             duration: [0.0; 3],
             recorded: None,
+            connections: Vec::new(),
         }
     }
 
@@ -115,6 +123,7 @@ impl Ended {
             lateness: spread(&statistics.lateness),
             duration: spread(&statistics.tick),
             recorded: None,
+            connections: end.control.devices().map(Device::connection).collect(),
         }
     }
 
@@ -172,6 +181,27 @@ impl Ended {
             ),
             (self.lateness, self.duration),
             self.recorded,
+            (self.connections.into_iter())
+                .map(|connection| connection.map(values))
+                .collect(),
         )
     }
+}
+
+/// Converts to the tuple for Python.
+fn values(connection: Connection) -> ConnectionValues {
+    let counts = [
+        connection.samples,
+        connection.lost,
+        connection.late,
+        connection.reordered,
+        connection.duplicate,
+        connection.unreadable,
+        connection.untaken,
+    ];
+    let times = connection.round_trip;
+    (
+        counts,
+        times.map(|times| times.map(|time| time.as_secs_f64())),
+    )
 }

@@ -2,6 +2,7 @@
 
 #![cfg(unix)]
 
+use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
 use std::process::{Output, Stdio};
 use std::time::{Duration, Instant};
@@ -115,6 +116,40 @@ fn a_killed_or_stopped_run_leaves_no_force() {
             text.ends_with("gone\n")
         });
     }
+}
+
+/// The watchdog process sends from a socket of its own.
+#[test]
+fn a_killed_run_sends_zero_to_a_board() {
+    let board = UdpSocket::bind("127.0.0.1:0").unwrap();
+    board.set_read_timeout(Some(PATIENCE)).unwrap();
+    let folder = folder();
+    let mut command = program(
+        &folder,
+        "run wall.toml --method basic --duration inf --period 0.01 --soft-start 0 --device",
+    );
+    command.arg(format!("udp:{}", board.local_addr().unwrap()));
+    let mut running = Running::start(command.stdout(Stdio::null()).stderr(Stdio::null()));
+    let mut packet = [0; 256];
+    let mut is_on = false;
+    loop {
+        let (length, from) = board.recv_from(&mut packet).expect("a packet");
+        let line = std::str::from_utf8(&packet[..length]).unwrap().trim();
+        let mut words = line.split(' ');
+        let answer = match (words.next().unwrap(), words.next()) {
+            ("hello", _) => "device 1 axes=1 largest_force_n=3 name=board".to_owned(),
+            ("read", Some(number)) => format!("sample {number} {number} - 0.005"),
+            ("wrench", _) if !is_on && words.next() == Some("-3e0") => {
+                is_on = true;
+                running.signal("KILL");
+                continue;
+            }
+            ("zero", _) if is_on => break,
+            _ => continue,
+        };
+        board.send_to(answer.as_bytes(), from).unwrap();
+    }
+    running.wait().unwrap();
 }
 
 #[test]
