@@ -9,6 +9,7 @@ mod device_time;
 #[cfg(feature = "emulator")]
 pub mod emulator;
 pub mod external;
+pub mod force_dimension;
 pub mod inverse3;
 pub mod plugin;
 pub mod prepared;

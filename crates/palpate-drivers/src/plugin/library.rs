@@ -1,4 +1,5 @@
-//! Calls of a shared library by the interface of `bindings/c/include/palpate_device.h`.
+//! Calls of shared libraries: by the interface of `bindings/c/include/palpate_device.h`, and in [`dhd`] of a
+//! manufacturer's.
 //!
 //! The only module of the workspace's crates with unsafe code: a call of foreign code cannot be checked. The header
 //! states what a library must do. Here a pointer is used only between `open` and `close`, structures have the sizes that
@@ -6,6 +7,8 @@
 #![allow(unsafe_code, reason = "a call of foreign code")]
 #![deny(unsafe_op_in_unsafe_fn)]
 #![warn(clippy::undocumented_unsafe_blocks)]
+
+pub mod dhd;
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::Path;
@@ -86,6 +89,9 @@ pub enum LibraryError {
     /// A function is missing.
     #[error("it has no function {0}; palpate_device.h lists all")]
     Symbol(&'static str),
+    /// A function of Force Dimension's library is missing.
+    #[error("it has no function {0}; install Force Dimension's SDK 3.16 or later")]
+    OldSdk(&'static str),
     /// Another version.
     #[error(
         "it has version {0} of the interface; allowed: {VERSION}; compile it with the present palpate_device.h"
@@ -138,15 +144,7 @@ impl Opened {
     /// Loads the library at `path` and opens its device with `argument`.
     pub fn open(path: &Path, argument: &str) -> Result<Self, LibraryError> {
         let argument = CString::new(argument).map_err(|_| LibraryError::Argument)?;
-        // The system looks for a bare name elsewhere than in the current folder.
-        let is_here = path.components().count() == 1 && path.exists();
-        let path = if is_here {
-            Path::new(".").join(path)
-        } else {
-            path.to_path_buf()
-        };
-        // SAFETY: Loading runs the library's initializers. The user names the library, as the program that is run.
-        let library = unsafe { load(&path) }.map_err(LibraryError::Load)?;
+        let library = load(path)?;
         let version: Version = function(&library, "palpate_device_version")?;
         // SAFETY: The header declares this signature.
         let found = unsafe { version() };
@@ -264,21 +262,24 @@ impl Drop for Opened {
 }
 
 /// Loads a library with all functions that it calls: one that is missing is an error here, and not in a tick.
-///
-/// # Safety
-/// The library's initializers run.
-unsafe fn load(path: &Path) -> Result<Library, libloading::Error> {
+fn load(path: &Path) -> Result<Library, LibraryError> {
+    // The system looks for a bare name elsewhere than in the current folder.
+    let is_here = path.components().count() == 1 && path.exists();
+    let path = if is_here {
+        Path::new(".").join(path)
+    } else {
+        path.to_path_buf()
+    };
     #[cfg(unix)]
-    {
+    let loaded = {
         use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
-        // SAFETY: As above.
+        // SAFETY: Loading runs the library's initializers. The user names the library, as the program that is run.
         unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map(Into::into)
-    }
+    };
     #[cfg(not(unix))]
     // SAFETY: As above.
-    unsafe {
-        Library::new(path)
-    }
+    let loaded = unsafe { Library::new(path) };
+    loaded.map_err(LibraryError::Load)
 }
 
 /// Returns a function of the library; `F` is its type in the header.

@@ -1,6 +1,6 @@
 //! Devices of shared libraries with a C interface (`bindings/c/include/palpate_device.h`), loaded at run time.
 
-mod library;
+pub(crate) mod library;
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,6 +1,8 @@
 //! All integration tests of palpate-drivers, in one program.
 
 mod external;
+#[cfg(unix)]
+mod force_dimension;
 mod inverse3;
 #[cfg(unix)]
 mod plugin;
