@@ -62,6 +62,9 @@ pub struct DeviceArguments {
     /// Flags of the Inverse3.
     #[command(flatten)]
     pub inverse3: Inverse3Arguments,
+    /// Flags of Force Dimension's devices.
+    #[command(flatten)]
+    pub force_dimension: ForceDimensionArguments,
     /// Origin of the contact's coordinate in the frame of a device with several axes; in a world: the device position
     /// of its tool's position_m [m]
     #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
@@ -91,6 +94,8 @@ pub enum DeviceName {
     Haply2diy,
     /// Haply Inverse3 behind its service
     Inverse3,
+    /// An omega, delta, sigma or lambda of Force Dimension, or a Falcon, by the manufacturer's library
+    ForceDimension,
     /// A device of your own: a program that this command starts
     #[value(name = "process:COMMAND")]
     Process,
@@ -115,7 +120,8 @@ impl DeviceArguments {
     /// Whether a device that holds its last force gets a watchdog process, which cannot reach the device of a library and
     /// needs a Unix system.
     pub fn is_guarded(&self) -> bool {
-        cfg!(unix) && self.watchdog != Some(OnOff::Off) && self.kind() != DeviceName::Plugin
+        let is_library = matches!(self.kind(), DeviceName::Plugin | DeviceName::ForceDimension);
+        cfg!(unix) && self.watchdog != Some(OnOff::Off) && !is_library
     }
 
     /// Returns the kind of the first named device.
@@ -156,6 +162,7 @@ impl DeviceArguments {
         };
         let device = self.kind();
         self.inverse3.check(device)?;
+        self.force_dimension.check(device)?;
         if self.motion.is_some() && device != DeviceName::Replay {
             return Err(Failure::Arguments("--motion is for --device replay".into()));
         }
@@ -177,10 +184,14 @@ impl DeviceArguments {
             ("--reconnect-in-start-pose", self.reconnect_in_start_pose),
         ];
         let is_own = matches!(device, DeviceName::Process | DeviceName::Udp);
-        let goes = is_own || matches!(device, DeviceName::Haply2diy | DeviceName::Inverse3);
-        if self.reconnect && !goes {
+        let goes = matches!(
+            device,
+            DeviceName::Haply2diy | DeviceName::Inverse3 | DeviceName::ForceDimension
+        );
+        if self.reconnect && !goes && !is_own {
             return Err(Failure::Arguments(
-                "--reconnect is for devices that can be lost: haply-2diy, inverse3, process and udp".into(),
+                "--reconnect is for devices that can be lost: haply-2diy, inverse3, force-dimension, process and udp"
+                    .into(),
             ));
         }
         if self.watchdog.is_some() && !is_own && device != DeviceName::Haply2diy {
@@ -241,6 +252,42 @@ impl Inverse3Arguments {
             Some((flag, _)) if device != DeviceName::Inverse3 => Err(Failure::Arguments(format!(
                 "{flag} is for --device inverse3"
             ))),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Flags of Force Dimension's devices.
+#[derive(Args, Debug, Clone)]
+pub struct ForceDimensionArguments {
+    /// Library libdrd of the device `force-dimension` [default: in the SDK's folder $FDSDK, ~/.local/lib,
+    /// /usr/local/lib or /usr/lib]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub library: Option<PathBuf>,
+    /// Serial number of the device `force-dimension` [default: the only one]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(i32).range(0..))]
+    pub serial: Option<i32>,
+    /// Use the gripper of the device `force-dimension`, along its opening, in place of the handle
+    #[arg(long)]
+    pub gripper: bool,
+    /// Switch off the gravity compensation of the device `force-dimension`
+    #[arg(long)]
+    pub no_gravity_compensation: bool,
+}
+
+impl ForceDimensionArguments {
+    /// Rejects a flag of another device.
+    pub fn check(&self, device: DeviceName) -> Result<(), Failure> {
+        let given = [
+            ("--library", self.library.is_some()),
+            ("--serial", self.serial.is_some()),
+            ("--gripper", self.gripper),
+            ("--no-gravity-compensation", self.no_gravity_compensation),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            Some((flag, _)) if device != DeviceName::ForceDimension => Err(Failure::Arguments(
+                format!("{flag} is for --device force-dimension"),
+            )),
             _ => Ok(()),
         }
     }

@@ -4,6 +4,7 @@
 
 mod arguments;
 mod drive;
+mod force_dimension;
 #[cfg(unix)]
 pub mod guarding;
 pub mod inverse3;
@@ -90,6 +91,11 @@ pub fn open<C: Clock>(
             }
             (device, (origin, FIRST_AXIS.1))
         }
+        DeviceName::ForceDimension => {
+            let period = scene.loop_params.period;
+            let (device, _) = force_dimension::open(arguments, period, clock, guarding)?;
+            (device, FIRST_AXIS)
+        }
         DeviceName::Process | DeviceName::Udp | DeviceName::Plugin => {
             let period = scene.loop_params.period;
             let (device, _) = own::open(arguments, period, clock, guarding)?;
@@ -140,8 +146,8 @@ fn open_as<C: Clock>(
         }
         DeviceName::Null | DeviceName::Replay => {
             return Err(Failure::Arguments(
-                "--device: a world runs on simulated, pointer, haply-2diy, inverse3, process, udp and plugin; null and replay \
-                 have one axis"
+                "--device: a world runs on simulated, pointer, haply-2diy, inverse3, force-dimension, process, udp and \
+                 plugin; null and replay have one axis"
                     .into(),
             ));
         }
@@ -154,6 +160,11 @@ fn open_as<C: Clock>(
             let (device, origin, at) = inverse3::open(arguments, period, clock)?;
             identity = Some(at);
             (device, Some(origin))
+        }
+        DeviceName::ForceDimension => {
+            let (device, which) = force_dimension::open(arguments, period, clock, guarding)?;
+            identity = Some(which);
+            (device, None)
         }
         DeviceName::Process | DeviceName::Udp | DeviceName::Plugin => {
             let (device, at) = own::open(arguments, period, clock, guarding)?;
@@ -187,6 +198,9 @@ fn warn_if_unguarded(device: &dyn Device, arguments: &DeviceArguments) {
     if device.capabilities().holds_last_force && !arguments.is_guarded() {
         let why = match arguments.kind() {
             DeviceName::Plugin => "no watchdog process reaches the device of a plug-in",
+            DeviceName::ForceDimension => {
+                "the firmware of this device has no watchdog, and no watchdog process reaches it"
+            }
             _ if cfg!(not(unix)) => "a watchdog process needs Linux or macOS",
             _ => "--watchdog off",
         };

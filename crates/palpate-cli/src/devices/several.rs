@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::reports::Guarding;
 
 /// Field names of one device's flags. With several named devices they follow the name of their device.
-pub const FLAGS_OF_A_DEVICE: [&str; 14] = [
+pub const FLAGS_OF_A_DEVICE: [&str; 18] = [
     "port",
     "generation",
     "board",
@@ -24,6 +24,10 @@ pub const FLAGS_OF_A_DEVICE: [&str; 14] = [
     "events",
     "device_id",
     "service_priority",
+    "library",
+    "serial",
+    "gripper",
+    "no_gravity_compensation",
     "origin",
     "world_axes",
 ];

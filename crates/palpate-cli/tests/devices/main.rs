@@ -2,6 +2,7 @@
 
 #[path = "../it/common/mod.rs"]
 mod common;
+mod force_dimension;
 mod inverse3;
 mod live;
 mod own;

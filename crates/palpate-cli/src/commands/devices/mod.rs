@@ -44,18 +44,20 @@ the end the torque is 0. The same holds after ctrl-C, SIGTERM or SIGHUP, which e
     /// Emulate a device for trials without hardware
     #[command(override_usage = "\
 palpate devices emulate haply-2diy [OPTIONS]
-       palpate devices emulate inverse3 [OPTIONS]")]
+       palpate devices emulate inverse3 [OPTIONS]
+       palpate devices emulate force-dimension [OPTIONS]")]
     #[command(long_about = "\
 Emulate a device for trials without hardware.
 
 Standard output is the address: `palpate run SCENE.toml --device haply-2diy --port PATH`, or `--device \
-inverse3 --service URL`, opens it. It moves in real time until ctrl-C.")]
+inverse3 --service URL` or `--device force-dimension --library PATH`, opens it. It moves in real time until ctrl-C.")]
     #[command(after_help = "\
 Examples:
   palpate devices emulate haply-2diy --duration 1
   palpate devices emulate haply-2diy --hold 0.019,0.05 --sway 0,0.02 --link my-2diy --duration 1
   palpate devices emulate haply-2diy --generation 2 --board m3 --fault stall=0.1@0.5 --duration 1
-  palpate devices emulate inverse3 --port 0 --events-port 0 --hold 0.01,0,0 --duration 1")]
+  palpate devices emulate inverse3 --port 0 --events-port 0 --hold 0.01,0,0 --duration 1
+  palpate devices emulate force-dimension --type delta.3 --hold 0.01,0,0 --duration 1")]
     Emulate(EmulateArguments),
 }
 

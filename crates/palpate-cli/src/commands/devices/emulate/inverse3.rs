@@ -58,7 +58,7 @@ pub struct Inverse3EmulatorArguments {
     pub hand: HandArguments,
 }
 
-/// The hand at an emulated Inverse3.
+/// The hand at an emulated device with three axes.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Hand")]
 pub struct HandArguments {
@@ -97,7 +97,8 @@ pub enum FormName {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triple(pub [f64; 3]);
 
-fn triple(text: &str) -> Result<Triple, String> {
+/// Parses three numbers.
+pub fn triple(text: &str) -> Result<Triple, String> {
     match place(text) {
         Ok(FrameVector(numbers)) if numbers.len() == 3 => {
             Ok(Triple([numbers[0], numbers[1], numbers[2]]))
@@ -124,7 +125,7 @@ pub fn run(arguments: &Inverse3EmulatorArguments) -> Result<(), Failure> {
         body: Body {
             mass: arguments.mass,
             start: arguments.start.0,
-            hands: hands(arguments)?,
+            hands: hands(&arguments.hand, arguments.start.0)?,
             amplifier: arguments.amplifier.params()?,
             ..Body::default()
         },
@@ -168,8 +169,8 @@ pub fn run(arguments: &Inverse3EmulatorArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn hands(arguments: &Inverse3EmulatorArguments) -> Result<[Hand; 3], Failure> {
-    let hand = &arguments.hand;
+/// Returns the hand along x, y and z, at a device that starts at `start` `[m]`.
+pub fn hands(hand: &HandArguments, start: [f64; 3]) -> Result<[Hand; 3], Failure> {
     if !(hand.sway_period > 0.0 && hand.sway_period.is_finite()) {
         return Err(Failure::Arguments(format!(
             "--sway-period is {}; allowed: above 0 [s]",
@@ -189,7 +190,7 @@ fn hands(arguments: &Inverse3EmulatorArguments) -> Result<[Hand; 3], Failure> {
                     frequency_hz: 1.0 / hand.sway_period,
                     phase: 0.0,
                 }),
-                ..Intention::constant(hand.hold.unwrap_or(arguments.start).0[axis])
+                ..Intention::constant(hand.hold.map_or(start, |hold| hold.0)[axis])
             },
             force: of(hand.push, axis),
             tremor: None,

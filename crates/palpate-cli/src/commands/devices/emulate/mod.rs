@@ -1,5 +1,7 @@
 //! `palpate devices emulate`: emulated devices.
 
+#[cfg(unix)]
+mod force_dimension;
 mod inverse3;
 mod two_diy;
 
@@ -41,6 +43,15 @@ Faults are injected at given times: --fault KIND@SECONDS, repeatable, with the k
 garbage, half, half-bytes, disconnect and close for one answer, and stall=s, unplug=s and no-power=s for \
 s seconds.")]
     Inverse3(Box<inverse3::Inverse3EmulatorArguments>),
+    /// A device of Force Dimension behind a library libdrd.so
+    #[cfg(unix)]
+    #[command(long_about = "\
+A library with functions of Force Dimension's libdrd, whose path is printed, and a device behind it: a point mass \
+along each axis in a hand, which runs in real time until ctrl-C. The library is compiled by cc.
+
+Faults are injected at given times: --fault KIND[=VALUE]@SECONDS, repeatable, with the kinds unplug, plug-in, stale \
+(VALUE reads without a new sample), saturate (motors above VALUE newtons) and uncalibrated.")]
+    ForceDimension(Box<force_dimension::ForceDimensionEmulatorArguments>),
 }
 
 /// The amplifiers of an emulated device.
@@ -80,5 +91,7 @@ pub fn run(arguments: &EmulateArguments) -> Result<(), Failure> {
     match &arguments.what {
         What::Haply2diy(arguments) => two_diy::run(arguments),
         What::Inverse3(arguments) => inverse3::run(arguments),
+        #[cfg(unix)]
+        What::ForceDimension(arguments) => force_dimension::run(arguments),
     }
 }
