@@ -1,4 +1,4 @@
-"""Devices for `palpate.Loop`: simulated devices, Haply devices, and user-defined devices.
+"""Devices for `palpate.Loop`: simulated devices, devices of Haply and Force Dimension, and user-defined devices.
 
     import palpate
 
@@ -6,6 +6,7 @@
     device = palpate.devices.Simulated("experiments/wall.toml")  # device and hand of a scene
     device = palpate.devices.TwoDiy("/dev/ttyACM0")
     device = palpate.devices.Inverse3()
+    device = palpate.devices.ForceDimension()
     device = palpate.devices.Process("python my_device.py")  # a program that moves a device
 
 A world needs one of these for each of its devices:
@@ -33,7 +34,19 @@ from ._arrays import numbers, row
 from ._scene import Scene
 from ._world import World
 
-__all__ = ["Capabilities", "Device", "Inverse3", "Plugin", "Pointer", "PointerInWorld", "Process", "Simulated", "TwoDiy", "Udp"]
+__all__ = [
+    "Capabilities",
+    "Device",
+    "ForceDimension",
+    "Inverse3",
+    "Plugin",
+    "Pointer",
+    "PointerInWorld",
+    "Process",
+    "Simulated",
+    "TwoDiy",
+    "Udp",
+]
 
 
 class Capabilities(NamedTuple):
@@ -398,6 +411,44 @@ class Inverse3(Device):
 
     def _given(self) -> dict[str, Any]:
         return {"kind": "inverse3", **self._values}
+
+
+class ForceDimension(Device):
+    """Omega, delta, sigma or lambda of Force Dimension, or a Falcon, by the manufacturer's library.
+
+    Its firmware takes the force off shortly after the last command, also if this process is killed or hangs.
+
+    Args:
+        library: File of `libdrd`; `None`: that of the SDK in the folder `FDSDK`, or in the usual folders.
+        serial: Serial number; `None`: the only device.
+        gripper: Whether to use the gripper, along its opening, in place of the handle.
+        gravity_compensation: Whether the device carries its own weight.
+        origin: Device position at which the contact's coordinate is 0 [m], or that of the world's device; `None`: 0.
+        normal: Direction in which the contact's coordinate increases; `None`: the first axis. Not for a world.
+        world_axes: Axes of the world for those of the device, such as `["x", "-z"]`; `None`: x, y, z. For a world only.
+    """
+
+    def __init__(
+        self,
+        library: str | os.PathLike[str] | None = None,
+        *,
+        serial: int | None = None,
+        gripper: bool = False,
+        gravity_compensation: bool = True,
+        origin: Sequence[float] | None = None,
+        normal: Sequence[float] | None = None,
+        world_axes: Sequence[str] | None = None,
+    ) -> None:
+        self._own = {
+            "library": library,
+            "serial": serial,
+            "gripper": gripper,
+            "gravity_compensation": gravity_compensation,
+        }
+        self.origin, self.normal, self.world_axes = origin, normal, world_axes
+
+    def _given(self) -> dict[str, Any]:
+        return {"kind": "force-dimension", **self._own, **_placed(self)}
 
 
 class Process(Device):

@@ -14,7 +14,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::ended::Closed;
-use super::external::{ExternalGiven, PluginGiven, external, plugin};
+use super::external::{
+    ExternalGiven, ForceDimensionGiven, PluginGiven, external, force_dimension, plugin,
+};
 use super::held::{Held, Telling};
 use super::own_device::OwnDevice;
 use crate::names::{refused, wrong_on_bench};
@@ -166,6 +168,13 @@ pub fn open(
         "external" => {
             let (own, placed): (ExternalGiven, Placed) = (given.extract()?, given.extract()?);
             let opening = || external(&own, clock, period, silence, &closed);
+            let (device, _) = py.detach(opening)?;
+            let axis = placed.axis(device.capabilities(), FIRST_AXIS)?;
+            (device, axis)
+        }
+        "force-dimension" => {
+            let (own, placed): (ForceDimensionGiven, Placed) = (given.extract()?, given.extract()?);
+            let opening = || force_dimension(&own, clock, period, silence, &closed);
             let (device, _) = py.detach(opening)?;
             let axis = placed.axis(device.capabilities(), FIRST_AXIS)?;
             (device, axis)

@@ -1,4 +1,4 @@
-//! Devices of other programs, with their watchdog process, and of shared libraries.
+//! Devices of other programs, with their watchdog process, and of shared libraries, also of a manufacturer.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -7,6 +7,7 @@ use std::time::Duration;
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_drivers::external::{External, Place};
+use palpate_drivers::force_dimension::{ForceDimension, OpenError, Options, Part};
 use palpate_drivers::plugin::Plugin;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -82,6 +83,47 @@ pub fn plugin(
         Box::new(device),
         Some(format!("plugin:{library},{}", given.argument)),
     ))
+}
+
+/// Arguments of the device `force-dimension`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct ForceDimensionGiven {
+    library: Option<PathBuf>,
+    serial: Option<i32>,
+    gripper: bool,
+    gravity_compensation: bool,
+}
+
+/// Opens a device of Force Dimension and returns it with its identity.
+pub fn force_dimension(
+    given: &ForceDimensionGiven,
+    clock: MonotonicClock,
+    period: Duration,
+    silence: Duration,
+    closed: &Closed,
+) -> PyResult<(Box<dyn Device>, Option<String>)> {
+    let closed = Arc::clone(closed);
+    let tell = move |why| {
+        let _ = closed.set(AtTheEnd::Said(why));
+    };
+    let options = Options {
+        library: given.library.clone(),
+        serial: given.serial,
+        part: if given.gripper {
+            Part::Gripper
+        } else {
+            Part::Handle
+        },
+        gravity_compensation: given.gravity_compensation,
+        ..Options::new(period, silence)
+    };
+    let device = ForceDimension::open(&options, clock, tell).map_err(|error| match error {
+        OpenError::NoGripper(_) | OpenError::TooSlow { .. } => refused(error.to_string()),
+        _ => PyOSError::new_err(error.to_string()),
+    })?;
+    let identity = format!("device {} of Force Dimension's library", device.id());
+    Ok((Box::new(device), Some(identity)))
 }
 
 /// Opens a device of another program with the given watchdog process and returns it with its identity.

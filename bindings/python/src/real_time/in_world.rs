@@ -16,7 +16,9 @@ use pyo3::types::PyDict;
 
 use super::devices::{Inverse3Given, TwoDiyGiven, two_diy};
 use super::ended::Closed;
-use super::external::{ExternalGiven, PluginGiven, external, plugin};
+use super::external::{
+    ExternalGiven, ForceDimensionGiven, PluginGiven, external, force_dimension, plugin,
+};
 use super::held::{Held, Telling};
 use super::own_device::OwnDevice;
 use crate::names::{refused, wrong_on_bench};
@@ -173,6 +175,16 @@ pub fn open(
             let frame = standing.frame(device.capabilities(), None, own.position)?;
             (device, frame)
         }
+        "force-dimension" => {
+            let (device_given, standing): (ForceDimensionGiven, Standing) =
+                (given.extract()?, given.extract()?);
+            standing.check()?;
+            let opening = || force_dimension(&device_given, clock, period, silence, &closed);
+            let (device, which) = py.detach(opening)?;
+            identity = which;
+            let frame = standing.frame(device.capabilities(), None, own.position)?;
+            (device, frame)
+        }
         "plugin" => {
             let (device_given, standing): (PluginGiven, Standing) =
                 (given.extract()?, given.extract()?);
@@ -192,7 +204,8 @@ pub fn open(
         _ => {
             return Err(refused(
                 "device moves along one axis, or is of a scene of one contact; a world runs on \
-                 palpate.devices.PointerInWorld, Simulated of a World, TwoDiy, Inverse3 and devices of your own",
+                 palpate.devices.PointerInWorld, Simulated of a World, TwoDiy, Inverse3, ForceDimension and \
+                 devices of your own",
             ));
         }
     };
