@@ -1,4 +1,4 @@
-//! A device of one's own as a shared library in Rust, without a dependency: here a mass of 0.2 kg that a spring holds
+//! A user-defined device as a shared library in Rust, without a dependency: here a mass of 0.2 kg that a spring holds
 //! 5 mm in the wall. `bindings/c/include/palpate_device.h` specifies functions and structures.
 //!
 //! ```sh
