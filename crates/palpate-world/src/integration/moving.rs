@@ -377,10 +377,9 @@ pub(super) fn overlap(
     surfaces: &[Surface],
     blocks: &[Blocks],
 ) -> Met {
-    let of_sphere = |nearest: Nearest| {
+    let of_sphere = |centre: Vector3, nearest: Nearest| {
         let penetration = point.radius - nearest.distance;
         let below = point.radius - 0.5 * penetration;
-        let centre = point.centre_of(&first.rigid);
         Met {
             penetration,
             normal: nearest.normal,
@@ -389,12 +388,17 @@ pub(super) fn overlap(
         }
     };
     match point.solid {
-        Solid::Mesh { surface, point, .. } => {
-            let found = surfaces[surface].found(point);
-            of_sphere(found.map_or(Nearest::far(), |found| Nearest {
+        Solid::Mesh {
+            surface,
+            point: number,
+            ..
+        } => {
+            let found = surfaces[surface].found(number);
+            let nearest = found.map_or(Nearest::far(), |found| Nearest {
                 normal: second.rigid.orientation * found.normal,
                 ..Nearest::exact(found.distance, found.normal)
-            }))
+            });
+            of_sphere(point.centre_of(&first.rigid), nearest)
         }
         Solid::Between {
             blocks: number,
@@ -413,7 +417,8 @@ pub(super) fn overlap(
         _ => {
             let centre = point.centre_of(&first.rigid);
             let solid = &point.solid;
-            of_sphere(solid.nearest_within(&second.rigid, &centre, point.radius))
+            let nearest = solid.nearest_within(&second.rigid, &centre, point.radius);
+            of_sphere(centre, nearest)
         }
     }
 }
@@ -524,12 +529,19 @@ impl SubStepped for Moving {
 }
 
 /// Returns the tool of a point's pair and its sign: see [`Point::sign_on`].
+#[inline]
 fn tool_of<'a>(parts: &'a [Part], point: &Point, tools: usize) -> Option<(&'a Part, f64)> {
-    let tool = point.tool(tools)?;
-    Some((&parts[tool], point.sign_on(tool)?))
+    if point.first < tools {
+        Some((&parts[point.first], 1.0))
+    } else if point.second < tools {
+        Some((&parts[point.second], -1.0))
+    } else {
+        None
+    }
 }
 
 /// Returns the velocity of the first's material at `place` relative to the second's `[m/s]`.
+#[inline]
 pub(super) fn relative(
     first: &Part,
     of_first: &Twist,

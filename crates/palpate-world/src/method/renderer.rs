@@ -87,6 +87,7 @@ impl WorldRenderer {
                     spin: Vector3::zeros(),
                 };
                 Part {
+                    is_tool: true,
                     has_torque: tool.turns,
                     led: tool.is_led(),
                     ..Part::new(nowhere, mobility, Drive::constant(Vector3::zeros()))
