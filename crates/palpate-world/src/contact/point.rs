@@ -186,22 +186,34 @@ impl Touch {
         self.mode != other.mode || !self.is_apart() && self.normal.dot(&other.normal) < SAME_FACE
     }
 
-    /// Adds half a sub-step under the force, whose impulse acts `at` `[s]`, to the sums. The relative velocity changes
-    /// linearly to `relative`; the tool, if one of the two is, moves with its own mean velocity.
+    /// Adds the impulse of half a sub-step under the force, which acts `at` `[s]`, to the sums. `tool`: the tool, if one
+    /// of the two is, with its sign.
     #[inline]
-    pub fn entry(&mut self, relative: &Vector3, tool: Option<(&Part, f64)>, [half, at]: [f64; 2]) {
+    pub fn entry(&mut self, tool: Option<(&Part, f64)>, [half, at]: [f64; 2]) {
         let impulse = self.force * half;
         self.past.impulse += impulse;
         self.past.moment += impulse * at;
+        if let Some((part, sign)) = tool
+            && part.has_torque
+        {
+            let arm = self.place - part.rigid.position;
+            self.past.angular_impulse += arm.cross(&(impulse * sign));
+        }
+    }
+
+    /// Adds the work of half a sub-step under the force to the sums. The relative velocity changes linearly to
+    /// `relative`; the tool, if one of the two is, moves with its own mean velocity.
+    #[inline]
+    pub fn entry_of_work(&mut self, relative: &Vector3, tool: Option<(&Part, f64)>, half: f64) {
+        let impulse = self.force * half;
         let apparent = half * self.apparent_power;
         self.past.work += 0.5 * impulse.dot(&(self.relative + relative)) + apparent;
         if let Some((part, sign)) = tool {
             let on_tool = impulse * sign;
-            let arm = self.place - part.rigid.position;
             let mut mean = part.mean.velocity;
             if part.has_torque {
+                let arm = self.place - part.rigid.position;
                 let by_turning = part.mean.turning.cross(&arm);
-                self.past.angular_impulse += arm.cross(&on_tool);
                 mean += by_turning;
                 if part.led {
                     self.past.work_on_led_turn += on_tool.dot(&by_turning);
@@ -254,7 +266,13 @@ impl Touch {
     /// to the normal force. Its damper uses the velocity of the first relative to the second that is `expected` at
     /// the end of the sub-step `[m/s]`.
     #[inline]
-    pub fn rub(&mut self, point: &Point, normal: Vector3, way: Vector3, expected: &Vector3) {
+    pub fn rub<const BOOKS: bool>(
+        &mut self,
+        point: &Point,
+        normal: Vector3,
+        way: Vector3,
+        expected: &Vector3,
+    ) {
         let law = &point.law;
         // A limit scales the new force.
         let scale = core::mem::replace(&mut self.elastic_scale, 1.0);
@@ -269,9 +287,11 @@ impl Touch {
         let slid = transport.of(self.slid);
         let follows = before + slid + way - normal * normal.dot(&way);
         let cut = law.cut(follows, self.normal_force);
-        let torn = (before + cut.bristle).dot(&(follows - cut.bristle));
-        let lost = 0.5 * law.friction_stiffness * torn * scale;
-        self.past.dissipated += lost.max(0.0);
+        if BOOKS && cut.mode != Mode::Sticks {
+            let torn = (before + cut.bristle).dot(&(follows - cut.bristle));
+            let lost = 0.5 * law.friction_stiffness * torn * scale;
+            self.past.dissipated += lost.max(0.0);
+        }
         self.bristle = cut.bristle;
         self.mode = cut.mode;
         self.slid = Vector3::zeros();
@@ -328,7 +348,7 @@ impl Touch {
 
     /// Computes the damping power at a relative velocity: (N - K p) p' of the material, and that of the bristle.
     #[inline]
-    pub fn watch_damping(
+    pub fn watch_damping<const BOOKS: bool>(
         &mut self,
         point: &Point,
         relative: &Vector3,
@@ -351,6 +371,9 @@ impl Touch {
         }
         let rate = -self.normal.dot(&felt);
         self.missed = rate - self.expected;
+        if !BOOKS {
+            return;
+        }
         self.damping_power = (self.by_damping * rate).max(0.0);
         if point.law.friction_damping > 0.0 {
             self.damping_power += (-self.by_rubbing.dot(&felt)).max(0.0);

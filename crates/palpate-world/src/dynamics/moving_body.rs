@@ -301,9 +301,9 @@ impl Part {
         }
     }
 
-    /// Applies the push of the first half of a sub-step.
+    /// Applies the push of the first half of a sub-step. Without `BOOKS` the work is not summed.
     #[inline]
-    pub fn first_push(&mut self, half: f64) {
+    pub fn first_push<const BOOKS: bool>(&mut self, half: f64) {
         let before = self.rigid.velocity;
         let mut by_drive = self.drive.acceleration;
         if !self.drive.is_constant() {
@@ -318,13 +318,13 @@ impl Part {
         } else {
             Vector3::zeros()
         };
-        self.push(before, by_drive, by_contacts, torque, half);
+        self.push::<BOOKS>(before, by_drive, by_contacts, torque, half);
     }
 
     /// Applies the push of the second half, with the drive's damping at its end, so that both halves together are of
     /// second order.
     #[inline]
-    pub fn second_push(&mut self, half: f64) {
+    pub fn second_push<const BOOKS: bool>(&mut self, half: f64) {
         let before = self.rigid.velocity;
         let by_contacts = self.mobility.acceleration(&self.force) * half;
         let after = if self.drive.is_constant() {
@@ -343,11 +343,11 @@ impl Part {
             Vector3::zeros()
         };
         let by_drive = after - before - by_contacts;
-        self.push(before, by_drive, by_contacts, torque, half);
+        self.push::<BOOKS>(before, by_drive, by_contacts, torque, half);
     }
 
     #[inline]
-    fn push(
+    fn push<const BOOKS: bool>(
         &mut self,
         before: Vector3,
         by_drive: Vector3,
@@ -359,9 +359,12 @@ impl Part {
         self.rigid.velocity += self.gained;
         let spun = (self.torque + torque) * half;
         self.rigid.spin += spun;
+        self.update_twist();
+        if !BOOKS {
+            return;
+        }
         let mean = before + self.gained * 0.5;
         self.driven += self.mobility.weighted(&by_drive, &mean);
-        self.update_twist();
         // A body has no torque of its own, and nothing needs its mean twist.
         if !self.is_tool {
             return;

@@ -33,6 +33,8 @@ pub(crate) struct Moving {
     pub links: Vec<Link>,
     /// Linkage motion of each tool's proxy with a position-dependent mass; empty if no tool has one.
     pub carried: Vec<Option<Carried>>,
+    /// Whether sub-steps sum the work of each tool, body and contact.
+    pub keeps_books: bool,
     /// Whether contact dampers add the prediction error of the last sub-step to the velocity that they expect.
     pub expects_the_missed: bool,
     /// Tools that each contact holds at its own place; empty for other methods.
@@ -255,13 +257,13 @@ impl Moving {
         }
         self.gather(points, 0.0);
         self.look_at_all();
-        self.meet(points, 0.0);
+        self.meet::<true>(points, 0.0);
         self.measure(points);
     }
 
     /// Evaluates the contacts and their loads at the current positions, which were reached by moving for `half` a
     /// sub-step with the current velocities.
-    fn meet(&mut self, points: &[Point], half: f64) {
+    fn meet<const BOOKS: bool>(&mut self, points: &[Point], half: f64) {
         self.look_at_shapes(points);
         for &number in self.nearby.numbers() {
             let (touch, point) = (&mut self.touches[number], &points[number]);
@@ -304,7 +306,7 @@ impl Moving {
                 let relative = relative(first, &first.twist, second, &second.twist, &place);
                 let ahead = self::relative(first, &first.ahead, second, &second.ahead, &place);
                 touch.press(point, &met, -normal.dot(&ahead));
-                touch.rub(point, normal, relative * half, &ahead);
+                touch.rub::<BOOKS>(point, normal, relative * half, &ahead);
                 touch.normal = normal;
                 touch.place = place;
                 touch.relative = relative;
@@ -360,11 +362,96 @@ impl Moving {
             if !touch.is_apart() {
                 let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
                 let relative = touch.relative;
-                touch.watch_damping(point, &relative, first, second);
+                touch.watch_damping::<true>(point, &relative, first, second);
             }
         }
         for &number in self.nearby.islands.all(Kind::Links) {
             self.links[number].watch_damping(&self.parts);
+        }
+    }
+}
+
+impl Moving {
+    /// Performs one sub-step of `h` `[s]` with the velocity form of Verlet's method. Damping and friction use the
+    /// velocities expected at its end, which preserves second order.
+    fn sub_step_by<const BOOKS: bool>(&mut self, points: &[Point], h: f64) {
+        let half = 0.5 * h;
+        for &number in self.nearby.parts() {
+            let part = &mut self.parts[number];
+            if let Some(Some(carried)) = self.carried.get(number) {
+                carried.carry(part, h);
+            }
+            part.first_push::<BOOKS>(half);
+        }
+        self.leave::<BOOKS>(points, half);
+        for &number in self.nearby.islands.all(Kind::Links) {
+            self.links[number].entry(&self.parts, half);
+        }
+        self.elapsed += h;
+        for &number in self.nearby.parts() {
+            self.parts[number].drift(h);
+        }
+        if self.held.is_holding {
+            self.add_held_damping(points, half);
+            self.held.move_on(&mut self.parts, h);
+        }
+        self.meet::<BOOKS>(points, half);
+        if self.held.is_holding {
+            self.add_held_damping(points, half);
+        }
+        for &number in self.nearby.parts() {
+            self.parts[number].second_push::<BOOKS>(half);
+        }
+        self.arrive::<BOOKS>(points, half);
+        for &number in self.nearby.islands.all(Kind::Links) {
+            self.links[number].watch_damping(&self.parts);
+            self.links[number].entry(&self.parts, half);
+        }
+    }
+
+    /// Adds the first half of a sub-step to the sums of the contacts.
+    #[inline]
+    fn leave<const BOOKS: bool>(&mut self, points: &[Point], half: f64) {
+        for &number in self.nearby.numbers() {
+            let touch = &mut self.touches[number];
+            if touch.is_apart() {
+                continue;
+            }
+            let point = &points[number];
+            let tool = tool_of(&self.parts, point, self.tools);
+            touch.entry(tool, [half, self.elapsed]);
+            if BOOKS || point.law.friction > 0.0 {
+                let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+                let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
+                if BOOKS {
+                    touch.entry_of_work(&relative, tool, half);
+                }
+                touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
+            }
+        }
+    }
+
+    /// Adds the second half of a sub-step to the sums of the contacts.
+    #[inline]
+    fn arrive<const BOOKS: bool>(&mut self, points: &[Point], half: f64) {
+        for &number in self.nearby.numbers() {
+            let touch = &mut self.touches[number];
+            if touch.is_apart() {
+                continue;
+            }
+            let point = &points[number];
+            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
+            touch.watch_damping::<BOOKS>(point, &relative, first, second);
+            if !self.expects_the_missed {
+                touch.missed = 0.0;
+            }
+            let tool = tool_of(&self.parts, point, self.tools);
+            touch.entry(tool, [half, self.elapsed]);
+            if BOOKS {
+                touch.entry_of_work(&relative, tool, half);
+                touch.relative = relative;
+            }
         }
     }
 }
@@ -447,64 +534,11 @@ impl SubStepped for Moving {
         }
     }
 
-    /// Performs one sub-step of `h` `[s]` with the velocity form of Verlet's method. Damping and friction use the
-    /// velocities expected at its end, which preserves second order.
     fn sub_step(&mut self, points: &[Point], h: f64) {
-        let half = 0.5 * h;
-        for &number in self.nearby.parts() {
-            let part = &mut self.parts[number];
-            if let Some(Some(carried)) = self.carried.get(number) {
-                carried.carry(part, h);
-            }
-            part.first_push(half);
-        }
-        for &number in self.nearby.numbers() {
-            let (touch, point) = (&mut self.touches[number], &points[number]);
-            if touch.is_apart() {
-                continue;
-            }
-            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
-            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
-            let tool = tool_of(&self.parts, point, self.tools);
-            touch.entry(&relative, tool, [half, self.elapsed]);
-            touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
-        }
-        for &number in self.nearby.islands.all(Kind::Links) {
-            self.links[number].entry(&self.parts, half);
-        }
-        self.elapsed += h;
-        for &number in self.nearby.parts() {
-            self.parts[number].drift(h);
-        }
-        if self.held.is_holding {
-            self.add_held_damping(points, half);
-            self.held.move_on(&mut self.parts, h);
-        }
-        self.meet(points, half);
-        if self.held.is_holding {
-            self.add_held_damping(points, half);
-        }
-        for &number in self.nearby.parts() {
-            self.parts[number].second_push(half);
-        }
-        for &number in self.nearby.numbers() {
-            let (touch, point) = (&mut self.touches[number], &points[number]);
-            if touch.is_apart() {
-                continue;
-            }
-            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
-            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
-            touch.watch_damping(point, &relative, first, second);
-            if !self.expects_the_missed {
-                touch.missed = 0.0;
-            }
-            let tool = tool_of(&self.parts, point, self.tools);
-            touch.entry(&relative, tool, [half, self.elapsed]);
-            touch.relative = relative;
-        }
-        for &number in self.nearby.islands.all(Kind::Links) {
-            self.links[number].watch_damping(&self.parts);
-            self.links[number].entry(&self.parts, half);
+        if self.keeps_books {
+            self.sub_step_by::<true>(points, h);
+        } else {
+            self.sub_step_by::<false>(points, h);
         }
     }
 

@@ -485,6 +485,8 @@ impl Coupled {
 /// Begins the prediction from the estimated devices at the sample.
 #[inline]
 fn begin_prediction(points: &[Point], state: &mut Progress, memory: &mut CoupledMemory) {
+    // A force needs impulses only.
+    state.ahead.keeps_books = false;
     state.ahead.continue_from(&state.now, points);
     exchange_gathered(&mut state.ahead, &mut state.now);
     for (tool, device) in memory.devices.iter_mut().enumerate() {

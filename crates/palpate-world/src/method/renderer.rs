@@ -191,6 +191,7 @@ impl WorldRenderer {
             blocks: self.blocks.clone(),
             links: self.links.clone(),
             carried: vec![None; self.carried()],
+            keeps_books: true,
             expects_the_missed: false,
             held: self.method.held_tools(self),
             limits: self.limits_in_motion(),
