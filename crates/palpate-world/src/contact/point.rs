@@ -169,11 +169,12 @@ impl Touch {
         self.mode == Mode::Free
     }
 
-    /// Copies the state of `other`. Separated contacts differ only in these fields.
+    /// Copies the state of `other`, the same contact at another time of the same interval. A separated contact changes only
+    /// in these fields.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         if self.is_apart() && other.is_apart() {
-            (self.past, self.clear) = (other.past, other.clear);
+            (self.clear, self.past.handed) = (other.clear, other.past.handed);
         } else {
             *self = *other;
         }

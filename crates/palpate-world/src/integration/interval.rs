@@ -183,9 +183,12 @@ pub(crate) fn advance(
     h: f64,
 ) -> Effort {
     moving.gather(points, h);
-    moving.look_at_all();
+    moving.look_at_all(points);
     moving.begin_holding(points);
     before.nearby.copy_numbers_from(&moving.nearby);
+    for &number in moving.nearby.numbers() {
+        before.touches[number].past = moving.touches[number].past;
+    }
     let mut effort = Effort::default();
     for island in 0..moving.nearby.islands.awake() {
         moving.nearby.islands.enter(island);

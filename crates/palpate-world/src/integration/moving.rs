@@ -12,7 +12,6 @@ use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::{Nearest, Solid};
 use crate::integration::held_tools::HeldTools;
-use crate::integration::interval::SubStepped;
 use crate::integration::yielding::ForceLimit;
 
 /// A world in motion.
@@ -244,9 +243,14 @@ impl Moving {
     }
 
     /// Resets the clearances of all points, because displacements are counted from the start of the interval.
-    pub fn look_at_all(&mut self) {
+    pub fn look_at_all(&mut self, points: &[Point]) {
         for &number in self.nearby.numbers() {
             self.touches[number].clear = 0.0;
+        }
+        for &number in self.nearby.blocks() {
+            let blocks = &mut self.blocks[number];
+            let sides = blocks.parts.map(|number| &self.parts[number]);
+            blocks.update(sides, &mut self.touches, points);
         }
     }
 
@@ -256,14 +260,14 @@ impl Moving {
             part.settle();
         }
         self.gather(points, 0.0);
-        self.look_at_all();
+        self.look_at_all(points);
         self.meet::<true>(points, 0.0);
         self.measure(points);
     }
 
     /// Evaluates the contacts and their loads at the current positions, which were reached by moving for `half` a
     /// sub-step with the current velocities.
-    fn meet<const BOOKS: bool>(&mut self, points: &[Point], half: f64) {
+    pub(super) fn meet<const BOOKS: bool>(&mut self, points: &[Point], half: f64) {
         self.look_at_shapes(points);
         for &number in self.nearby.numbers() {
             let (touch, point) = (&mut self.touches[number], &points[number]);
@@ -276,6 +280,12 @@ impl Moving {
             if let Solid::Mesh { surface, point, .. } = point.solid
                 && touch.is_apart()
                 && self.surfaces[surface].found(point).is_none()
+            {
+                continue;
+            }
+            if let Solid::Between { blocks, point, .. } = point.solid
+                && touch.is_apart()
+                && self.blocks[blocks].found(point).penetration <= 0.0
             {
                 continue;
             }
@@ -350,8 +360,8 @@ impl Moving {
         }
         for &number in self.nearby.blocks() {
             let blocks = &mut self.blocks[number];
-            let [first, second] = blocks.parts.map(|number| &self.parts[number].rigid);
-            blocks.look(first, second, &mut self.touches, points);
+            let sides = blocks.parts.map(|number| &self.parts[number]);
+            blocks.look_if_near(sides, &mut self.touches, points);
         }
     }
 
@@ -367,91 +377,6 @@ impl Moving {
         }
         for &number in self.nearby.islands.all(Kind::Links) {
             self.links[number].watch_damping(&self.parts);
-        }
-    }
-}
-
-impl Moving {
-    /// Performs one sub-step of `h` `[s]` with the velocity form of Verlet's method. Damping and friction use the
-    /// velocities expected at its end, which preserves second order.
-    fn sub_step_by<const BOOKS: bool>(&mut self, points: &[Point], h: f64) {
-        let half = 0.5 * h;
-        for &number in self.nearby.parts() {
-            let part = &mut self.parts[number];
-            if let Some(Some(carried)) = self.carried.get(number) {
-                carried.carry(part, h);
-            }
-            part.first_push::<BOOKS>(half);
-        }
-        self.leave::<BOOKS>(points, half);
-        for &number in self.nearby.islands.all(Kind::Links) {
-            self.links[number].entry(&self.parts, half);
-        }
-        self.elapsed += h;
-        for &number in self.nearby.parts() {
-            self.parts[number].drift(h);
-        }
-        if self.held.is_holding {
-            self.add_held_damping(points, half);
-            self.held.move_on(&mut self.parts, h);
-        }
-        self.meet::<BOOKS>(points, half);
-        if self.held.is_holding {
-            self.add_held_damping(points, half);
-        }
-        for &number in self.nearby.parts() {
-            self.parts[number].second_push::<BOOKS>(half);
-        }
-        self.arrive::<BOOKS>(points, half);
-        for &number in self.nearby.islands.all(Kind::Links) {
-            self.links[number].watch_damping(&self.parts);
-            self.links[number].entry(&self.parts, half);
-        }
-    }
-
-    /// Adds the first half of a sub-step to the sums of the contacts.
-    #[inline]
-    fn leave<const BOOKS: bool>(&mut self, points: &[Point], half: f64) {
-        for &number in self.nearby.numbers() {
-            let touch = &mut self.touches[number];
-            if touch.is_apart() {
-                continue;
-            }
-            let point = &points[number];
-            let tool = tool_of(&self.parts, point, self.tools);
-            touch.entry(tool, [half, self.elapsed]);
-            if BOOKS || point.law.friction > 0.0 {
-                let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
-                let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
-                if BOOKS {
-                    touch.entry_of_work(&relative, tool, half);
-                }
-                touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
-            }
-        }
-    }
-
-    /// Adds the second half of a sub-step to the sums of the contacts.
-    #[inline]
-    fn arrive<const BOOKS: bool>(&mut self, points: &[Point], half: f64) {
-        for &number in self.nearby.numbers() {
-            let touch = &mut self.touches[number];
-            if touch.is_apart() {
-                continue;
-            }
-            let point = &points[number];
-            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
-            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
-            touch.watch_damping::<BOOKS>(point, &relative, first, second);
-            if !self.expects_the_missed {
-                touch.missed = 0.0;
-            }
-            let tool = tool_of(&self.parts, point, self.tools);
-            touch.entry(tool, [half, self.elapsed]);
-            if BOOKS {
-                touch.entry_of_work(&relative, tool, half);
-                touch.relative = relative;
-            }
         }
     }
 }
@@ -507,70 +432,6 @@ pub(super) fn overlap(
             let nearest = solid.nearest_within(&second.rigid, &centre, point.radius);
             of_sphere(centre, nearest)
         }
-    }
-}
-
-impl SubStepped for Moving {
-    type Pair = Point;
-
-    fn copy_near_from(&mut self, other: &Self) {
-        for &number in self.nearby.parts() {
-            self.parts[number].copy_motion_from(&other.parts[number]);
-        }
-        for &number in self.nearby.numbers() {
-            self.touches[number].copy_from(&other.touches[number]);
-        }
-        self.held.copy_near_from(&other.held, self.nearby.numbers());
-        self.elapsed = other.elapsed;
-        let islands = &self.nearby.islands;
-        for &number in islands.all(Kind::Surfaces) {
-            self.surfaces[number].copy_from(&other.surfaces[number]);
-        }
-        for &number in islands.all(Kind::Blocks) {
-            self.blocks[number].copy_from(&other.blocks[number]);
-        }
-        for &number in islands.all(Kind::Links) {
-            self.links[number] = other.links[number];
-        }
-    }
-
-    fn sub_step(&mut self, points: &[Point], h: f64) {
-        if self.keeps_books {
-            self.sub_step_by::<true>(points, h);
-        } else {
-            self.sub_step_by::<false>(points, h);
-        }
-    }
-
-    fn changed_from(&self, other: &Self) -> bool {
-        let mut modes = self.nearby.numbers().iter();
-        let mut blocks = self.nearby.blocks().iter();
-        let mut links = self.nearby.islands.all(Kind::Links).iter();
-        modes.any(|&number| self.touches[number].changed_from(&other.touches[number]))
-            || blocks.any(|&number| self.blocks[number].changed_from(&other.blocks[number]))
-            || links.any(|&number| self.links[number].changed_from(&other.links[number]))
-    }
-
-    fn expect_the_missed(&mut self, is_added: bool) {
-        self.expects_the_missed = is_added;
-    }
-
-    fn expect_anew(&mut self) {
-        for &number in self.nearby.numbers() {
-            self.touches[number].missed = 0.0;
-        }
-    }
-}
-
-/// Returns the tool of a point's pair and its sign: see [`Point::sign_on`].
-#[inline]
-fn tool_of<'a>(parts: &'a [Part], point: &Point, tools: usize) -> Option<(&'a Part, f64)> {
-    if point.first < tools {
-        Some((&parts[point.first], 1.0))
-    } else if point.second < tools {
-        Some((&parts[point.second], -1.0))
-    } else {
-        None
     }
 }
 
