@@ -137,6 +137,11 @@ fn what_is_wrong_with_a_mesh_file_is_said_with_its_name() {
     let turned = obj().replacen("f 1//1 3//1 2//1", "f 1//1 2//1 3//1", 1);
     let no_such_corner = obj().replacen("f 1//1", "f 9//1", 1);
     let truncated = &binary_stl()[..150];
+    let upper = "V 0 0 0\nV 1 0 0\nV 0 1 0\nF 1 2 3\n";
+    let wide: Vec<u8> = "\u{feff}v 0 0 0\n"
+        .encode_utf16()
+        .flat_map(u16::to_be_bytes)
+        .collect();
     for (name, bytes) in [
         ("bad.stl", bad_number.as_bytes()),
         ("nan.stl", not_a_number.as_bytes()),
@@ -146,6 +151,8 @@ fn what_is_wrong_with_a_mesh_file_is_said_with_its_name() {
         ("empty.stl", b"".as_slice()),
         ("none.stl", b"solid none\nendsolid none\n".as_slice()),
         ("none.obj", b"# nothing\n".as_slice()),
+        ("upper.obj", upper.as_bytes()),
+        ("wide.obj", &wide),
         ("part.step", b"ISO-10303-21;\n".as_slice()),
     ] {
         fs::write(folder.join(name), bytes).unwrap();
@@ -158,7 +165,15 @@ fn what_is_wrong_with_a_mesh_file_is_said_with_its_name() {
         ("short.stl", ""),
         ("empty.stl", ""),
         ("none.stl", "no triangle"),
-        ("none.obj", "no triangle"),
+        (
+            "none.obj",
+            "no line of the file begins with \"f\", so it has no face",
+        ),
+        (
+            "upper.obj",
+            "lines left out, by their first word: \"F\" (1), \"V\" (3)",
+        ),
+        ("wide.obj", "its text is UTF-16; save it as UTF-8"),
         ("part.step", "with the extension .stl or .obj"),
         ("missing.stl", "No such file"),
     ] {
@@ -189,6 +204,10 @@ fn keys_of_a_mesh_are_checked() {
         (
             "file = \"part.stl\", unit = \"mm\", scale = 0.0",
             "scale has 0, and each factor has to be finite and not 0",
+        ),
+        (
+            "file = \"part.stl\", unit = \"mm\", scale = [1.0, 2.0]",
+            "scale is one number, or three: scale = [1.0, 1.0, -1.0]",
         ),
         ("unit = \"mm\"", "a mesh needs one of file"),
         (
@@ -221,6 +240,10 @@ fn keys_of_a_mesh_are_checked() {
         let said = said.map(|_| ()).unwrap_err().join("; ");
         assert!(said.contains(expected), "{keys}: {said}");
     }
+    let several = "[{ box = { size_m = [1, 1, 1] } }, { sphere = { radius_m = 1 } }]";
+    let said = read(folder, several).map(|_| ()).unwrap_err().join("; ");
+    let expected = "several shapes of a body are one mesh with a closed part for each";
+    assert!(said.contains(expected), "{said}");
 }
 
 /// A prism has its corners at the radius, in two rings, and the mass properties of the solid.
@@ -535,6 +558,32 @@ fn polygons_of_an_obj_file_keep_their_notches_and_ignore_weights() {
     fs::write(folder.join("zero.obj"), zero).unwrap();
     let said = read(folder, "{ mesh = { file = \"zero.obj\", unit = \"m\" } }").map(|_| ());
     assert!(said.unwrap_err()[0].contains("counted from 1"));
+}
+
+#[test]
+fn lines_of_an_obj_file_end_as_any_system_writes_them_and_none_is_left_out_silently() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // The comment does not continue in the next line.
+    let text = format!("# C:\\parts\\\n{}", obj());
+    for (ends, more, note) in [
+        ("\n", "", ""),
+        ("\r", "", ""),
+        ("\r\n", "", ""),
+        (
+            "\n",
+            "g part\ncall more.obj\nsurf 0 1 0 1 1\nsurf 0 1 0 1 2\n",
+            "\"call\" (1), \"surf\" (2)",
+        ),
+    ] {
+        let bytes = (text.clone() + more).replace('\n', ends);
+        fs::write(folder.join("part.obj"), bytes).unwrap();
+        let file = read(folder, "{ mesh = { file = \"part.obj\", unit = \"mm\" } }").unwrap();
+        assert!(mesh(&file).is_closed());
+        let said = file.notes().join("; ");
+        assert_eq!(said.contains("lines left out"), !note.is_empty(), "{said}");
+        assert!(said.contains(note), "{said}");
+    }
 }
 
 #[test]
