@@ -492,8 +492,8 @@ fn a_bounded_world_gives_the_slopes_of_the_renderer_within_the_limit() {
     assert!(refused.to_string().contains("set loop.hold"), "{refused}");
 }
 
-/// Returns the largest end `[N]` of the line that a world gives a tool, which moves in a groove while the contacts change.
-/// `step` takes the place of the tool, `change` the new world.
+/// Returns the largest end `[N]` and slope `[N/s]` of the lines that a world gives a tool, which moves in a groove while
+/// the contacts change.
 fn largest_end_of_a_change(
     scene: &WorldScene,
     mut step: impl FnMut(Change<'_>) -> Line,

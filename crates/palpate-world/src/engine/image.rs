@@ -45,8 +45,8 @@ impl ImageOffset {
         }
     }
 
-    /// Decays the offset of a body without contact: the translation by at most `way` `[m]` and at most to the part `kept`,
-    /// the rotation to the part `turned`.
+    /// Decays the offset of a body without contact: the translation by at most `way` `[m]` and at most to the part
+    /// `kept`, the rotation to the part `turned`.
     ///
     /// The translation decays to the nearest one between 0 and that of the integrator. A decay of the latter does the
     /// work of the body's other forces over it in each flight, at the same phase of the steps in each bounce, and a
