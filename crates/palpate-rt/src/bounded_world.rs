@@ -263,6 +263,9 @@ impl BoundedWorld {
                 [&mut wrench.force, &mut wrench.torque]
             });
             limited = limited.and(within);
+            for (tool, (wrench, slope)) in wrenches.iter().zip(&mut self.slopes).enumerate() {
+                limited.force |= self.renderer.keep_slope_within(tool, &wrench.force, slope);
+            }
         }
         let answered = Answered {
             elapsed: sample.elapsed,

@@ -105,6 +105,7 @@ fn against(proxy: &Rigid, measured: &Vector3, device: &Motions) -> ProxyState {
         offset: proxy.position - measured - device.of(|axis| axis.offset),
         velocity_offset: proxy.velocity - device.of(|axis| axis.velocity),
         was_limited: false,
+        samples_apart: 0,
     }
 }
 
@@ -321,6 +322,7 @@ impl Coupled {
         interval.account(entry, &motion, linkage, work - to_turn);
 
         proxy.was_limited = device.proxy.was_limited || state.now.has_yielded(tool);
+        proxy.samples_apart = device.proxy.samples_apart;
         device.proxy = proxy;
         device.measured = position;
         device.touched = touched;
