@@ -37,7 +37,7 @@ pub fn over_heights<S: Studied>(
     // One damping is chosen per scene, not per height.
     let chosen = scene.choices(columns);
     let heights: Vec<Vec<Vec<(Fidelity, bool)>>> =
-        at_each(&scene.from_heights()?, done, |scene| {
+        at_each(&scene.start_heights()?, done, |scene| {
             let errors = |outcome: &Outcome| -> Result<_, StudyError> {
                 Ok((outcome.fidelity()?, outcome.diverged))
             };

@@ -148,7 +148,7 @@ pub trait Studied: Clone + Send + Sync {
     ///
     /// # Errors
     /// A world cannot be run, or no device of it moves to its first contact.
-    fn from_heights(&self) -> Result<Vec<Self>, StudyError>;
+    fn start_heights(&self) -> Result<Vec<Self>, StudyError>;
 
     /// Returns the scene and the columns at a value of a quantity.
     ///
@@ -203,7 +203,7 @@ impl Studied for Scene {
         scene
     }
 
-    fn from_heights(&self) -> Result<Vec<Self>, StudyError> {
+    fn start_heights(&self) -> Result<Vec<Self>, StudyError> {
         Ok((0..HEIGHTS).map(|height| at_height(self, height)).collect())
     }
 
@@ -303,7 +303,7 @@ impl Studied for WorldScene {
         world
     }
 
-    fn from_heights(&self) -> Result<Vec<Self>, StudyError> {
+    fn start_heights(&self) -> Result<Vec<Self>, StudyError> {
         let bench = WorldBench::new(self)?;
         let ideal = bench.ideal();
         let ways: Vec<_> = (0..self.devices.len())

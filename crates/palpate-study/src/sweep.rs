@@ -292,7 +292,7 @@ fn at_point<S: Studied>(
         let own = evaluated(scene)?;
         // The heights run sequentially, because the points run in parallel.
         let heights: Option<Vec<_>> = if over_heights {
-            let scenes = scene.from_heights()?;
+            let scenes = scene.start_heights()?;
             Some(scenes.iter().map(evaluated).collect::<Result<_, _>>()?)
         } else {
             None
