@@ -147,17 +147,38 @@ pub fn numbers(text: &str) -> Result<Numbers, String> {
     values.map(Numbers)
 }
 
-/// Parses a quantity of a scene that can be varied.
-pub fn quantity(text: &str) -> Result<Quantity, String> {
-    Quantity::ALL
-        .into_iter()
-        .find(|quantity| quantity.name() == text)
-        .ok_or_else(|| {
-            format!(
-                "the quantities are {}",
-                Quantity::ALL.map(Quantity::name).join(", ")
-            )
-        })
+/// The varied quantity or key.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Over {
+    /// A quantity of a scene.
+    Quantity(Quantity),
+    /// A key of a scene.
+    Key(String),
+}
+
+impl Over {
+    /// Returns the name of the quantity, or the key.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Quantity(quantity) => quantity.name(),
+            Self::Key(key) => key,
+        }
+    }
+}
+
+/// Parses a quantity or a key of a scene that can be varied.
+pub fn over(text: &str) -> Result<Over, String> {
+    let mut all = Quantity::ALL.into_iter();
+    if let Some(quantity) = all.find(|quantity| quantity.name() == text) {
+        return Ok(Over::Quantity(quantity));
+    }
+    if text.contains(['.', '[']) {
+        return Ok(Over::Key(text.into()));
+    }
+    Err(format!(
+        "the quantities are {}; a key is a path, such as body.0.mass_kg",
+        Quantity::ALL.map(Quantity::name).join(", ")
+    ))
 }
 
 /// Parses a family of random plants.

@@ -1,5 +1,6 @@
 //! Worlds in commands: their flags, methods and error messages.
 
+use std::fmt::Display;
 use std::path::Path;
 
 use palpate_scene::world::{WorldFile, WorldScene, hand_guard, usual_guard};
@@ -7,6 +8,7 @@ use palpate_world::{WorldErrors, WorldField, WorldGuard, WorldPart};
 
 use crate::arguments::{Flags, Given};
 use crate::failure::Failure;
+use crate::values::AnyMethods;
 
 /// Rejects flags that do not apply to a world.
 pub fn only(given: &Given, known: &[&str], path: &Path) -> Result<(), Failure> {
@@ -31,10 +33,7 @@ pub fn only(given: &Given, known: &[&str], path: &Path) -> Result<(), Failure> {
 pub fn methods<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Vec<&'a str> {
     match &flags.method {
         None => vec![&scene.render.method],
-        Some(methods) if methods.are_all => {
-            let all = WorldScene::METHODS.into_iter();
-            all.filter(|name| scene.method(name).is_ok()).collect()
-        }
+        Some(methods) if methods.are_all => able(scene),
         Some(methods) => methods.names.clone(),
     }
 }
@@ -61,6 +60,35 @@ pub fn guarded(flags: &Flags, file: &WorldFile) -> WorldFile {
         *guard = mode.of_world(params);
     }
     file
+}
+
+/// Returns the methods of a study on a world: the named ones, or `all`.
+pub fn compared(
+    named: Option<&AnyMethods>,
+    all: impl FnOnce() -> Vec<&'static str>,
+) -> Result<Vec<&'static str>, Failure> {
+    let Some(named) = named.filter(|methods| !methods.are_all) else {
+        return Ok(all());
+    };
+    let is_unknown = |name: &&&str| !WorldScene::METHODS.contains(name);
+    match named.names.iter().find(is_unknown) {
+        None => Ok(named.names.clone()),
+        Some(other) => Err(Failure::Arguments(format!(
+            "--method: {other} does not render worlds; the methods are {}",
+            WorldScene::METHODS.join(", ")
+        ))),
+    }
+}
+
+/// Returns the methods for which a world has every setting and supported shapes.
+pub fn able(scene: &WorldScene) -> Vec<&'static str> {
+    let all = WorldScene::METHODS.into_iter();
+    all.filter(|name| scene.method(name).is_ok()).collect()
+}
+
+/// Explains an error of a study on the scene of a file.
+pub fn failed<E: Display>(path: &Path) -> impl Fn(E) -> Failure {
+    move |error| Failure::input(format!("{}: {error}", path.display()))
 }
 
 /// Returns the single method.

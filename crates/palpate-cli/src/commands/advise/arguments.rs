@@ -1,5 +1,6 @@
 //! Arguments of `advise`.
 
+use std::convert::Infallible;
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
@@ -10,6 +11,9 @@ use crate::values::{Methods, methods, number, period, periods};
 /// Arguments of `advise`.
 #[derive(Args, Debug)]
 pub struct AdviseArguments {
+    /// A scene, which is refused
+    #[arg(value_name = "SCENE.toml", value_parser = no_scene, hide = true)]
+    pub refused: Option<Infallible>,
     /// Effective mass of the device [kg] [default: that of --device-file]
     #[arg(long, value_name = "kg", value_parser = number, allow_hyphen_values = true,
           required_unless_present = "device_file", help_heading = "Device")]
@@ -86,4 +90,8 @@ pub struct AdviseArguments {
     /// Print the advice as JSON
     #[arg(long, help_heading = "Results")]
     pub json: bool,
+}
+
+fn no_scene(_: &str) -> Result<Infallible, String> {
+    Err("advise takes the numbers of one device and one contact; for methods on a scene: palpate compare SCENE.toml".into())
 }

@@ -13,8 +13,8 @@ use palpate_scene::{
     ContactFile, Intention, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError,
     Source, period_question,
 };
-use palpate_study::seeded::with_seed;
 use palpate_study::sim::closed_loop::{Bench, LoopError};
+use palpate_study::studied::Studied;
 use palpate_testbed::reference::ReferenceError;
 
 use crate::arguments::{EditFlags, Flags, SimulateArguments, TimingFlags};
@@ -120,7 +120,7 @@ fn scenes_of_seeds(arguments: &SimulateArguments, scene: &Scene) -> Result<Vec<S
         }
     }
     Ok(seeds
-        .map(|seed| with_seed(scene, seed, several.start_range))
+        .map(|seed| scene.with_seed(seed, several.start_range))
         .collect())
 }
 
