@@ -69,7 +69,7 @@ _Words = NDArray[np.uint64]
 _Vector = list[float]
 _Times = list[float]
 _Sides = list[str]
-_Motion = tuple[NDArray[np.float64], NDArray[np.float64], str, str | None, str | None, int]
+_Motion = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], str, str | None, str | None, int]
 _Part = tuple[list[tuple[str, str]], list[str]]
 _Row = tuple[tuple[int, int, int, int], tuple[float, float, float, float], tuple[bool, int, int]]
 _Rendered = tuple[str, str, list[tuple[str, _Words]], _Words]
@@ -253,7 +253,7 @@ def period_question(name: str, usual: str, period: float) -> str | None: ...
 def read_scene(path: str | PathLike[str]) -> tuple[str, str, Path]: ...
 def read_trace(
     path: str | PathLike[str], layout: dict[str, Any]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64] | None, int]: ...
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64] | None, NDArray[np.float64] | None, int]: ...
 def recorded_columns() -> tuple[list[tuple[str, bool]], list[list[str]]]: ...
 def render(
     motion: _Motion, method: object, parameters: dict[str, Any], settings_given: dict[str, Any]
