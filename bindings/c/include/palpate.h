@@ -742,9 +742,14 @@ typedef struct palpate_loop_params {
   double guard_allowance;
   /*
    Largest acceleration of the device by everything except the rendered force [m/s^2]: see HandBound. 0, the
-   default: the guard bounds by speed only. Else guard_mass is needed.
+   default: none. Else guard_mass is needed. Without it and guard_hand_force the guard bounds by speed only.
    */
   double guard_acceleration;
+  /*
+   Largest force on the device by everything except the rendered force [N], instead of guard_acceleration, which is
+   then this force over guard_mass. 0, the default: none.
+   */
+  double guard_hand_force;
   /*
    Least mass of the device for the bound by acceleration [kg], greater than 0.
    */
@@ -761,6 +766,14 @@ typedef struct palpate_loop_params {
    A palpate_hold: what the actuator holds. Default: PALPATE_HOLD_CONSTANT.
    */
   uint32_t hold;
+  /*
+   1: the motion may raise guard_mass; the mass must be the same in every pose. Default: 0.
+   */
+  uint32_t guard_learns_mass;
+  /*
+   Must be 0.
+   */
+  uint32_t reserved;
 } palpate_loop_params;
 
 /*

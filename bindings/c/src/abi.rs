@@ -22,7 +22,7 @@ macro_rules! has {
 }
 
 has!(ContactParams, 80, 8, virtual_force at 40, setting_count at 64, unilateral at 76);
-has!(LoopParams, 160, 8, force_limit at 32, delay at 48, device_mass at 96, guard at 152, hold at 156);
+has!(LoopParams, 176, 8, force_limit at 32, delay at 48, device_mass at 96, guard at 160, hold at 164);
 has!(Sample<f64>, 40, 8, has_elapsed at 32);
 has!(Output<f64>, 88, 8, slope_on_device at 24, proxy_shift at 64, phase at 72, limited at 80);
 has!(Ledger<f64>, 88, 8, held_leak at 40);

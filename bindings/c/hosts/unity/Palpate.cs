@@ -64,10 +64,13 @@ namespace Palpate
         public double GuardSpeed;
         public double GuardAllowance;
         public double GuardAcceleration;
+        public double GuardHandForce;
         public double GuardMass;
         public double GuardRecovery;
         public uint Guard;
         public Hold Hold;
+        public uint GuardLearnsMass;
+        internal uint Reserved;
 
         /// <summary>Returns the default parameters with a period [s].</summary>
         public static LoopParams Default(double period)
