@@ -325,7 +325,7 @@ fn a_trace_that_is_too_long_is_refused_as_soon_as_that_shows() {
 
 #[test]
 fn forces_are_those_of_the_part() {
-    let text = "force_on_device_n,t_s,position_m\n-1,0,0\n-2,1,0\n-3,2,0\n-4,3,0\n";
+    let text = "force_on_device_n,t_s,virtual_force_n,position_m\n-1,0,5,0\n-2,1,6,0\n-3,2,7,0\n-4,3,8,0\n";
     let part = Part {
         from: 1.0,
         to: 2.0,
@@ -333,6 +333,11 @@ fn forces_are_those_of_the_part() {
     };
     let held = read_part(text.as_bytes(), "hand.csv", &part, &Layout::default()).unwrap();
     assert_eq!(held.force_on_device_n.unwrap(), [-2.0, -3.0]);
+    assert_eq!(held.virtual_force_n.unwrap(), [6.0, 7.0]);
+    let alone = text.replace("force_on_device_n,", "other,");
+    let held = read_part(alone.as_bytes(), "hand.csv", &part, &Layout::default()).unwrap();
+    assert_eq!(held.force_on_device_n, None);
+    assert_eq!(held.virtual_force_n.unwrap(), [6.0, 7.0]);
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::results::print_report;
 use crate::worlds::{self, failed, wrong_world};
 
 /// Flags of a world's simulation; all other values are in its file.
-const FLAGS: [&str; 10] = [
+const FLAGS: [&str; 11] = [
     "scene",
     "method",
     "guard",
@@ -22,6 +22,7 @@ const FLAGS: [&str; 10] = [
     "start_range",
     "guard_speed",
     "guard_acceleration",
+    "guard_hand_force",
     "guard_mass",
     "guard_recovery",
     "guard_allowance",
