@@ -178,6 +178,8 @@ def test_a_period_in_milliseconds_is_questioned() -> None:
         palpate.Renderer(stiffness=400.0, mass=0.1, period=1.0, device_mass=0.25)
     with pytest.warns(UserWarning, match="period is 1 s"):
         palpate.render([0.0, 0.1, 2.0], [0.0, 0.0, 0.0], stiffness=400.0, mass=0.1, period=1.0, method="basic", time_unit="s")
+    with pytest.warns(UserWarning, match="lag is 1 s; is it in milliseconds"):
+        palpate.Renderer(stiffness=400.0, mass=0.1, period=0.001, device_mass=0.25, lag=1.0)
     with pytest.warns(UserWarning, match="period is 1 s"):
         palpate.advise(period=1.0, device_mass=0.25, stiffness=0.1, method="basic")
     with pytest.warns(UserWarning, match="period_s is 1 s"):

@@ -9,7 +9,7 @@ use palpate_record::unit::{LengthUnit, TimeUnit};
 use palpate_rt::WorldAxis;
 use palpate_scene::method::{MethodName, method_named};
 use palpate_scene::world::WorldScene;
-use palpate_scene::{GuardMode, HandForceAt, period_question};
+use palpate_scene::{GuardMode, HandForceAt, lag_question, period_question};
 use palpate_study::suite::Set;
 use palpate_study::sweep::Quantity;
 use palpate_study::world::suite::WorldSet;
@@ -108,6 +108,15 @@ pub fn period(text: &str) -> Result<f64, String> {
         tell(format_args!("warning: {question}"));
     }
     Ok(period)
+}
+
+/// Parses a lag `[s]`, and warns of one that is probably in milliseconds.
+pub fn lag(text: &str) -> Result<f64, String> {
+    let lag = number(text)?;
+    if let Some(question) = lag_question("--lag", "--lag 0.001", lag) {
+        tell(format_args!("warning: {question}"));
+    }
+    Ok(lag)
 }
 
 /// Parses an integer of 0 or above.

@@ -59,7 +59,7 @@ pub use hand::{Grip, Hand, Intention, Wave};
 pub use linkage::{HandForceAt, Linkage};
 pub use model::{Model, quantum_of};
 pub use parameter::SceneParameter;
-pub use period::period_question;
+pub use period::{lag_question, period_question};
 pub use scene_file::SceneFile;
 pub use source::Source;
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};

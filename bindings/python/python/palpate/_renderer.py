@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, ClassVar, NoReturn
 
 from . import _palpate
-from ._fixed import Fixed, FixedParameters, question_period
+from ._fixed import Fixed, FixedParameters, question_lag, question_period
 
 
 class Renderer(Fixed, _palpate.Renderer):
@@ -105,6 +105,7 @@ class Renderer(Fixed, _palpate.Renderer):
         for other in ("cls", "__class__", "method", "soft_start", "settings"):
             given.pop(other, None)
         question_period(period)
+        question_lag(lag)
         made = super().__new__(cls, method, given, soft_start, settings)
         made.parameters = FixedParameters({"method": method, **given, "soft_start": soft_start, **settings}, cls._way)
         return made

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 
 use crate::arguments::{Overwriting, PlotFlags};
-use crate::values::{Methods, methods, number, period, periods};
+use crate::values::{Methods, lag, methods, number, period, periods};
 
 /// Arguments of `advise`.
 #[derive(Args, Debug)]
@@ -43,8 +43,7 @@ pub struct AdviseArguments {
     pub delay_periods: Option<f64>,
     /// Time constant of the actuator, a first-order lag after the delay; the renderer models both [s] [default: that of
     /// --device-file, or 0]
-    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
-          help_heading = "Device")]
+    #[arg(long, value_name = "s", value_parser = lag, allow_hyphen_values = true, help_heading = "Device")]
     pub lag: Option<f64>,
     /// Standard deviation of the delay, including its changes from command to command, at most 8 periods [s] [default:
     /// that of --device-file, or 0]
