@@ -157,7 +157,7 @@ pub struct Flags {
         value_parser = number,
         allow_hyphen_values = true,
         requires = "guard",
-        group = "guard_hand",
+        group = "GuardHand",
         help_heading = "Loop"
     )]
     pub guard_acceleration: Option<f64>,
@@ -169,7 +169,7 @@ pub struct Flags {
         value_parser = number,
         allow_hyphen_values = true,
         requires = "guard",
-        group = "guard_hand",
+        group = "GuardHand",
         help_heading = "Loop"
     )]
     pub guard_hand_force: Option<f64>,
@@ -179,12 +179,12 @@ pub struct Flags {
         value_name = "kg",
         value_parser = number,
         allow_hyphen_values = true,
-        requires = "guard_hand",
+        requires = "GuardHand",
         help_heading = "Loop"
     )]
     pub guard_mass: Option<f64>,
     /// Raise the least mass to the mass that the motion shows; it must be the same in every pose
-    #[arg(long, requires = "guard_hand", help_heading = "Loop")]
+    #[arg(long, requires = "GuardHand", help_heading = "Loop")]
     pub guard_learn_mass: bool,
     /// Power by which the guard forgives energy that may have been given out unnoticed; 0: none [W] [default: 0.02]
     #[arg(
