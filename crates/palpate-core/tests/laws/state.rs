@@ -16,7 +16,7 @@ fn state_and_renderer_are_plain_small_values() {
     is_copy_and_crosses_threads::<Renderer<f32, Hfcr<f32>>>();
     for (name, size, bound) in [
         ("f64, basic", size_of::<State<f64, ()>>(), 720),
-        ("f64, seh", size_of::<State<f64, SehMemory<f64>>>(), 740),
+        ("f64, seh", size_of::<State<f64, SehMemory<f64>>>(), 750),
         ("f64, any", size_of::<State<f64, AnyMemory<f64>>>(), 1700),
         ("f32, basic", size_of::<State<f32, ()>>(), 370),
         ("f32, any", size_of::<State<f32, AnyMemory<f32>>>(), 860),
