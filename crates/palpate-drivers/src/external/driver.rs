@@ -131,6 +131,12 @@ fn gone() -> DeviceError {
     )
 }
 
+/// Error for what ends with its cause.
+fn interrupted(what: &'static str) -> DeviceError {
+    DeviceError::new(DeviceErrorKind::Interrupted, what)
+}
+
+/// Error for what lasts.
 fn refused(what: &'static str) -> DeviceError {
     DeviceError::new(DeviceErrorKind::Refused, what)
 }
@@ -184,7 +190,7 @@ impl<C: Clock> External<C> {
                         let kept = why.chars().take(LONGEST_REASON / 4);
                         self.reason.extend(kept);
                     }
-                    fault = Some(refused("the device reports an error"));
+                    fault.get_or_insert(interrupted("the device reports an error"));
                 }
                 Heard::Sample(sample) => {
                     let now = self.clock.now();
@@ -356,7 +362,7 @@ impl<C: Clock> Device for External<C> {
             Ok(true) => {}
             Ok(false) => {
                 self.account.untaken();
-                return Err(refused("the device does not read its commands"));
+                return Err(interrupted("the device does not read its commands"));
             }
             Err(Closed) => {
                 self.is_gone = true;

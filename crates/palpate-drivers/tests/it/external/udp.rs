@@ -209,7 +209,10 @@ fn a_device_refuses_with_its_own_words() {
         _ => vec![],
     });
     let mut device = opened(address).unwrap();
-    assert_eq!(device.read().unwrap_err().kind, DeviceErrorKind::Refused);
+    assert_eq!(
+        device.read().unwrap_err().kind,
+        DeviceErrorKind::Interrupted
+    );
     assert_eq!(device.reason(), Some("the motor is hot"));
     // It works again.
     while device
