@@ -41,6 +41,8 @@ pub struct External<C: Clock> {
     pub(super) heard_at: Duration,
     /// Whether the loop has read it.
     pub(super) has_begun: bool,
+    /// First unreadable line before the loop has begun, for an error of the opening.
+    pub(super) unreadable: Option<String>,
     pub(super) is_gone: bool,
     /// First reason of a refusal.
     pub(super) reason: String,
@@ -183,7 +185,13 @@ impl<C: Clock> External<C> {
                 protocol::heard(line, &self.capabilities)
             }) {
                 Heard::Nothing => {}
-                Heard::Unreadable => self.account.garbage(),
+                Heard::Unreadable => {
+                    self.account.garbage();
+                    // Before the loop it may allocate.
+                    if !self.has_begun && self.unreadable.is_none() {
+                        self.unreadable = Some(protocol::quoted(line));
+                    }
+                }
                 Heard::Error(why) => {
                     if self.reason.is_empty() {
                         // Its capacity is reserved.

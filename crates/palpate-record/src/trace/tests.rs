@@ -335,7 +335,7 @@ fn a_table_without_a_header_keeps_its_first_sample() {
     let trace = read("0,9,0.5\n1,9,0.25\n2,9,-1\n", &plain).unwrap();
     assert_eq!(trace.t_s, [0.0, 1.0, 2.0]);
     assert_eq!(trace.position_m, [0.5, 0.25, -1.0]);
-    // A header is none, also with a number or a unit in it.
+    // A header may contain a number or a unit.
     for header in ["t,9,nan", "t_s,y,x", "0,9,x"] {
         let trace = read(&format!("{header}\n1,9,0.25\n2,9,-1\n"), &plain).unwrap();
         assert_eq!(trace.t_s, [1.0, 2.0], "{header}");

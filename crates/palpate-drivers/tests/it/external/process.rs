@@ -99,7 +99,7 @@ fn the_words_of_a_device_that_refuses_are_said() {
     );
 }
 
-/// A program that hangs: its pipe fills, then it reads and answers again. The commands it missed are no lasting fault.
+/// The program hangs until its pipe is full, then reads and answers again. The device recovers.
 #[test]
 fn a_program_that_does_not_read_for_a_while_recovers() {
     let folder = tempfile::tempdir().unwrap();

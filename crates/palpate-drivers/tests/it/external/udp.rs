@@ -273,6 +273,21 @@ fn a_port_without_a_program_and_a_wrong_address_are_named() {
     assert!(Place::udp("no.such.host.invalid:5005").is_err());
 }
 
+/// It waits two seconds for a first sample.
+#[test]
+fn the_first_unreadable_line_is_quoted() {
+    let (address, _ended) = device(|words| match words {
+        ["hello", ..] => vec![INTRODUCTION.into()],
+        ["read", n] => vec![format!("sample {n} {n} - 0,01 0")],
+        _ => vec![],
+    });
+    let error = opened(address).unwrap_err().to_string();
+    assert!(
+        error.contains("- 0,01 0\", but needed is: sample NUMBER N TIME X Y, with finite"),
+        "{error}"
+    );
+}
+
 #[test]
 fn a_wrong_answer_is_named() {
     let (address, _ended) = device(|_| vec!["device 7 axes=1".into()]);
