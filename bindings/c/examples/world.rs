@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let renderer = renderer.map_err(|faults| format!("{faults:?}"))?;
     let limits = SafetyParams::bounding(Some(5.0), Some(1.0), 0.2);
     let period = file.scene.timing.period;
-    let mut world = BoundedWorld::of_constants(renderer, limits)?;
+    let mut world = BoundedWorld::new(renderer, limits)?;
     for tick in 0..400 {
         let time = f64::from(tick) * period;
         let mut position = [0, 1, 2].map(|axis| line[axis] + line[3 + axis] * time);
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (fault, sub_steps) = (held.fault.is_some(), held.effort.sub_steps);
         if tick == 200 {
             wrench.force[0] *= 0.5;
-            world.report_sent(0, wrench);
+            world.report_sent(0, wrench, [0.0; 3]);
         }
         let Wrench { force, torque } = wrench;
         for number in force.iter().chain(&torque) {

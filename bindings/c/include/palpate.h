@@ -742,9 +742,14 @@ typedef struct palpate_loop_params {
   double guard_allowance;
   /*
    Largest acceleration of the device by everything except the rendered force [m/s^2]: see HandBound. 0, the
-   default: the guard bounds by speed only. Else guard_mass is needed.
+   default: none. Else guard_mass is needed. Without it and guard_hand_force the guard bounds by speed only.
    */
   double guard_acceleration;
+  /*
+   Largest force on the device by everything except the rendered force [N], instead of guard_acceleration, which is
+   then this force over guard_mass. 0, the default: none.
+   */
+  double guard_hand_force;
   /*
    Least mass of the device for the bound by acceleration [kg], greater than 0.
    */
@@ -761,6 +766,14 @@ typedef struct palpate_loop_params {
    A palpate_hold: what the actuator holds. Default: PALPATE_HOLD_CONSTANT.
    */
   uint32_t hold;
+  /*
+   1: the motion may raise guard_mass; the mass must be the same in every pose. Default: 0.
+   */
+  uint32_t guard_learns_mass;
+  /*
+   Must be 0.
+   */
+  uint32_t reserved;
 } palpate_loop_params;
 
 /*
@@ -1178,6 +1191,11 @@ typedef struct palpate_wrench {
    Torque about the tool's centre of mass in world axes [N m]; 0 for a device of three axes.
    */
   double torque[3];
+  /*
+   Slope of the force [N/s]: with PALPATE_HOLD_LINE the force is `force + slope (t - T/2)` for t from 0 to the
+   period T, then its last value. Otherwise 0.
+   */
+  double slope[3];
 } palpate_wrench;
 
 /*
@@ -1520,6 +1538,14 @@ typedef struct palpate_scene_params {
    Proxy moment of inertia of virtual-coupling [kg m^2].
    */
   double coupling_inertia;
+  /*
+   A palpate_hold: what the actuators hold. Default: PALPATE_HOLD_CONSTANT.
+   */
+  uint32_t hold;
+  /*
+   Must be 0.
+   */
+  uint32_t reserved;
 } palpate_scene_params;
 
 /*
@@ -1646,6 +1672,65 @@ typedef struct palpate_body_params {
    */
   double force[3];
 } palpate_body_params;
+
+/*
+ Guard of a world. palpate_guard_params_default() fills it. The values of the hand are 0 by default: the guard
+ bounds by speed only.
+ */
+typedef struct palpate_guard_params {
+  /*
+   Size of this struct; palpate_guard_params_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   Largest speed of each device for which the bound holds, above 0 [m/s]. Default: 1.
+   */
+  double speed;
+  /*
+   Largest angular speed of each device that turns, above 0 [rad/s]. Default: 10.
+   */
+  double turning_speed;
+  /*
+   Energy that the guard allows beyond the energy balance, not below 0 [J]. Default: 0.05.
+   */
+  double allowance;
+  /*
+   Power by which the guard forgives energy that may have been given out unnoticed, not below 0 [W]. Default: 0.02.
+   */
+  double recovery;
+  /*
+   Largest acceleration of a device by everything except the rendered force [m/s^2]. It excludes hand_force.
+   */
+  double acceleration;
+  /*
+   Largest angular acceleration of a device that turns [rad/s^2], with acceleration.
+   */
+  double turning_acceleration;
+  /*
+   Largest force on a device by everything except the rendered force [N].
+   */
+  double hand_force;
+  /*
+   Largest torque on a device that turns by everything except the rendered torque [N m], with hand_force.
+   */
+  double hand_torque;
+  /*
+   Least mass of each device along each axis [kg]. 0: half of its model mass.
+   */
+  double least_mass;
+  /*
+   Least moment of inertia of each device that turns [kg m^2]. 0: half of the least model inertia.
+   */
+  double least_inertia;
+  /*
+   Delay of the forces beyond that of the scene, in samples, at most 8; 0 with a bound of the hand. Default: 0.
+   */
+  uint32_t late_samples;
+  /*
+   A palpate_guard. Default: PALPATE_GUARD_LIMIT.
+   */
+  uint32_t mode;
+} palpate_guard_params;
 
 /*
  Contact law: normal force and friction of two overlapping surfaces. palpate_contact_law_default() fills it.
@@ -2500,6 +2585,23 @@ size_t palpate_scene_body_count(struct palpate_scene *scene);
 size_t palpate_scene_device_count(struct palpate_scene *scene);
 
 /*
+ Sets the guard of a scene, which worlds created from it have. It replaces an earlier guard.
+
+ # Safety
+ Each pointer is NULL or points to a value of its type; the first field of each struct is its size.
+ */
+palpate_status palpate_scene_set_guard(struct palpate_scene *scene,
+                                       const struct palpate_guard_params *params);
+
+/*
+ Fills guard parameters with the defaults. `struct_size` is sizeof(palpate_guard_params).
+
+ # Safety
+ `params` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_guard_params_init(struct palpate_guard_params *params, size_t struct_size);
+
+/*
  Sets the contact law of a pair and replaces a previous one. `one` and `other` are names of devices or bodies, or
  "*" for any. The most specific law applies: two names, then a name and "*", then "*" twice. Pairs without a law
  do not collide.
@@ -2966,6 +3068,13 @@ static inline palpate_scene_params palpate_scene_params_default(void) {
   return params;
 }
 
+/* Returns the default guard parameters: a limit by speed. */
+static inline palpate_guard_params palpate_guard_params_default(void) {
+  palpate_guard_params params;
+  palpate_guard_params_init(&params, sizeof params);
+  return params;
+}
+
 /* Returns the default device parameters: three axes, no mass. */
 static inline palpate_device_params palpate_device_params_default(void) {
   palpate_device_params params;
@@ -3052,7 +3161,7 @@ static inline palpate_progress palpate_progress_empty(void) {
    step. Returns 0 if `time` is not positive. */
 static inline palpate_wrench palpate_mean_wrench(const palpate_body_progress *then, const palpate_body_progress *now,
                                                  double time) {
-  palpate_wrench wrench = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  palpate_wrench wrench = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
   int axis;
   for (axis = 0; axis < 3 && time > 0.0; axis++) {
     wrench.force[axis] = (now->impulse[axis] - then->impulse[axis]) / time;

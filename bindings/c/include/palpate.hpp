@@ -199,9 +199,10 @@ struct Ticks<float> {
 
 }  // namespace detail
 
-/* A rendered contact with ticks in `Number`: Contact and ContactF32. Only one thread may use it at a time. It is
-   movable and not copyable; a moved-from contact returns 0 N. */
-template <typename Number>
+/* A rendered contact with ticks in `Number`: Contact and ContactF32, for an actuator that holds lines
+   LineContact and LineContactF32. Only one thread may use it at a time. It is movable and not copyable; a moved-from
+   contact returns 0 N. */
+template <typename Number, palpate_hold Hold = PALPATE_HOLD_CONSTANT>
 class BasicContact {
   using Ticks = detail::Ticks<Number>;
 
@@ -211,9 +212,10 @@ class BasicContact {
   using Output = typename Ticks::Output;
   using Ledger = typename Ticks::Ledger;
 
-  /* Throws Error if a parameter is outside its range. */
+  /* Throws Error if a parameter is outside its range, or if loop.hold differs from the hold of the type. */
   BasicContact(const palpate_contact_params &params, const palpate_loop_params &loop) {
     detail::check_version();
+    detail::check_hold(loop, Hold);
     detail::check(Ticks::make(&params, &loop, &contact_));
   }
 
@@ -221,6 +223,7 @@ class BasicContact {
      PALPATE_CONTACT_ALIGN_MAX are enough. */
   BasicContact(span<unsigned char> memory, const palpate_contact_params &params, const palpate_loop_params &loop) {
     detail::check_version();
+    detail::check_hold(loop, Hold);
     detail::check(Ticks::place(memory.data(), memory.size(), &params, &loop, &contact_));
   }
 
@@ -237,10 +240,16 @@ class BasicContact {
   ~BasicContact() { Ticks::free(contact_); }
 
   /* Executes one tick: returns the force on the device [N] for its position [m]. */
-  Number step(Number device_position) noexcept { return step(Ticks::sample_at(device_position), nullptr); }
+  Number step(Number device_position) noexcept { return step(Ticks::sample_at(device_position)); }
 
-  /* Executes one tick with a full sample and, if `output` is not null, the full output. */
-  Number step(const Sample &sample, Output *output) noexcept { return Ticks::step(contact_, &sample, output); }
+  /* Executes one tick with a full sample. */
+  Number step(const Sample &sample) noexcept {
+    static_assert(Hold == PALPATE_HOLD_CONSTANT, "the output has the slope of the line: call step(sample, output)");
+    return Ticks::step(contact_, &sample, nullptr);
+  }
+
+  /* Executes one tick with a full sample and the full output, which an empty output receives. */
+  Number step(const Sample &sample, Output &output) noexcept { return Ticks::step(contact_, &sample, &output); }
 
   /* Reports the force that was actually sent to the device for the last tick [N]. A non-finite force is rejected. */
   palpate_status report_sent(Number force_on_device) noexcept { return Ticks::report_sent(contact_, force_on_device); }
@@ -255,6 +264,7 @@ class BasicContact {
 
   /* Changes the rendering from the next tick on, without a step in the force. Throws Error. */
   void change(const palpate_contact_params &params, const palpate_loop_params &loop) {
+    detail::check_hold(loop, Hold);
     detail::check(Ticks::change(contact_, &params, &loop));
   }
 
@@ -283,10 +293,10 @@ class BasicContact {
   Handle *contact_ = nullptr;
 };
 
-/* A contact with ticks in double. */
 using Contact = BasicContact<double>;
-/* A contact with ticks in float. */
 using ContactF32 = BasicContact<float>;
+using LineContact = BasicContact<double, PALPATE_HOLD_LINE>;
+using LineContactF32 = BasicContact<float, PALPATE_HOLD_LINE>;
 
 /* Description of a world: devices, bodies, laws and joints, added by calls or read from a scene file. A
    rejected call throws Error and leaves the scene unchanged. Movable and not copyable. */
@@ -318,6 +328,8 @@ class Scene {
   Scene &operator=(const Scene &) = delete;
 
   ~Scene() { palpate_scene_free(scene_); }
+
+  void set_guard(const palpate_guard_params &params) { detail::check(palpate_scene_set_guard(scene_, &params)); }
 
   void add_device(const std::string &name, const palpate_device_params &params, const palpate_shape &shape) {
     detail::check(palpate_scene_add_device(scene_, name.c_str(), &params, &shape));
@@ -521,7 +533,8 @@ class World {
 class Recorder {
  public:
   /* Throws Error if the file cannot be created; an existing file is not replaced. */
-  Recorder(Contact &contact, const std::string &path,
+  template <palpate_hold Hold>
+  Recorder(BasicContact<double, Hold> &contact, const std::string &path,
            const palpate_recorder_params &params = palpate_recorder_params_default()) {
     detail::check(palpate_recorder_of_contact(contact.handle(), path.c_str(), &params, &recorder_));
   }
@@ -550,10 +563,14 @@ class Recorder {
 
   ~Recorder() { palpate_recorder_close(recorder_, nullptr); }
 
-  /* Records a tick after its step, with the force [N] and the slope [N/s] that were actually sent to the device. It never
-     waits. */
-  palpate_status tick(Contact &contact, const palpate_sample &sample, const palpate_output &output, double sent_force,
-                      double sent_slope = 0.0) noexcept {
+  /* Records a tick after its step, with the force [N] and the slope [N/s] that were actually sent. It never waits. */
+  palpate_status tick(Contact &contact, const palpate_sample &sample, const palpate_output &output,
+                      double sent_force) noexcept {
+    return palpate_recorder_contact_tick(recorder_, contact.handle(), &sample, &output, sent_force, 0.0);
+  }
+
+  palpate_status tick(LineContact &contact, const palpate_sample &sample, const palpate_output &output,
+                      double sent_force, double sent_slope) noexcept {
     return palpate_recorder_contact_tick(recorder_, contact.handle(), &sample, &output, sent_force, sent_slope);
   }
 

@@ -38,6 +38,16 @@ inline void check_version() {
   }
 }
 
+/* Throws Error if the hold of a loop is not that of the type which renders it. */
+inline void check_hold(const palpate_loop_params &loop, palpate_hold hold) {
+  if (hold == PALPATE_HOLD_CONSTANT && loop.hold == PALPATE_HOLD_LINE) {
+    throw Error(PALPATE_STATUS_PARAMETER, "hold is PALPATE_HOLD_LINE: use LineContact, whose output has the slope");
+  }
+  if (hold == PALPATE_HOLD_LINE && loop.hold == PALPATE_HOLD_CONSTANT) {
+    throw Error(PALPATE_STATUS_PARAMETER, "hold is PALPATE_HOLD_CONSTANT: use Contact, or set PALPATE_HOLD_LINE");
+  }
+}
+
 template <typename Text>
 std::string text(Text put) {
   std::string words(put(nullptr, std::size_t{0}), '\0');

@@ -22,7 +22,7 @@ macro_rules! has {
 }
 
 has!(ContactParams, 80, 8, virtual_force at 40, setting_count at 64, unilateral at 76);
-has!(LoopParams, 160, 8, force_limit at 32, delay at 48, device_mass at 96, guard at 152, hold at 156);
+has!(LoopParams, 176, 8, force_limit at 32, delay at 48, device_mass at 96, guard at 160, hold at 164);
 has!(Sample<f64>, 40, 8, has_elapsed at 32);
 has!(Output<f64>, 88, 8, slope_on_device at 24, proxy_shift at 64, phase at 72, limited at 80);
 has!(Ledger<f64>, 88, 8, held_leak at 40);
@@ -35,19 +35,21 @@ mod worlds {
     use core::mem::offset_of;
 
     use crate::{
-        BodyParams, BodyProgress, BodyState, ContactState, DeviceParams, DeviceState, HostBody,
-        HostContact, JointParams, Law, LocalOutput, LocalParams, ModelRefusal, Pose, Progress,
-        SceneParams, Shape, Touch, WorldLedger, WorldOutput, WorldParams, WorldSample, Wrench,
+        BodyParams, BodyProgress, BodyState, ContactState, DeviceParams, DeviceState, GuardParams,
+        HostBody, HostContact, JointParams, Law, LocalOutput, LocalParams, ModelRefusal, Pose,
+        Progress, SceneParams, Shape, Touch, WorldLedger, WorldOutput, WorldParams, WorldSample,
+        Wrench,
     };
 
     const _: () = assert!(size_of::<Pose>() == 56);
-    const _: () = assert!(size_of::<Wrench>() == 48);
+    const _: () = assert!(size_of::<Wrench>() == 72);
     has!(WorldParams, 40, 8, force_limit at 16, soft_start at 32);
     has!(WorldSample, 40, 8, pose_count at 16, has_elapsed at 32);
     has!(WorldOutput, 40, 8, limited at 16, left_out at 36);
     has!(BodyState, 112, 8, velocity at 64, angular_velocity at 88);
     has!(WorldLedger, 56, 8, created at 48);
-    has!(SceneParams, 88, 8, gain at 32, coupling_inertia at 80);
+    has!(SceneParams, 96, 8, gain at 32, coupling_inertia at 80, hold at 88);
+    has!(GuardParams, 96, 8, acceleration at 40, late_samples at 88, mode at 92);
     has!(DeviceParams, 96, 8, inertia at 56, turns at 88);
     has!(BodyParams, 168, 8, mass at 64, velocity at 96, force at 144);
     has!(Shape, 120, 8, radius at 16, normal at 56, points at 88, face_count at 112);

@@ -1,10 +1,11 @@
 //! Parameters of the loop and of its device in the C API.
 
 use palpate_core::{
-    Actuation, Allowed, Guard, GuardParams, HandBound, Hold, LoopParams as Core, Parameter,
-    ParameterError, Scalar,
+    Actuation, Allowed, Guard, GuardParams, HandBound, HandLimit, Hold, LoopParams as Core,
+    Parameter, ParameterError, Scalar,
 };
 
+use crate::choice;
 use crate::edge::status;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
@@ -24,6 +25,17 @@ pub enum GuardKind {
     Limit = 2,
 }
 
+impl GuardKind {
+    /// Returns the error of an unknown mode.
+    pub(crate) const fn unknown<'a>(name: &'static str, given: u32) -> Refusal<'a> {
+        Refusal::Choice {
+            name,
+            given,
+            allowed: "PALPATE_GUARD_OFF, PALPATE_GUARD_REPORT or PALPATE_GUARD_LIMIT",
+        }
+    }
+}
+
 /// Force that the actuator holds for each command, over one period.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +45,21 @@ pub enum HoldKind {
     /// A line: `force_on_device + slope_on_device (t - T/2)` for t from 0 to the period T, then its last value. It
     /// requires coupled rendering and an output at each tick, and excludes a lag, a slew limit and a guard.
     Line = 1,
+}
+
+impl HoldKind {
+    /// Returns the hold of a field.
+    pub(crate) fn read<'a>(given: u32) -> Result<Hold, Refusal<'a>> {
+        match given {
+            0 => Ok(Hold::Constant),
+            1 => Ok(Hold::Line),
+            given => Err(Refusal::Choice {
+                name: "hold",
+                given,
+                allowed: "PALPATE_HOLD_CONSTANT or PALPATE_HOLD_LINE",
+            }),
+        }
+    }
 }
 
 /// Parameters of the loop and its device, and the limits. palpate_loop_params_default() fills it.
@@ -74,8 +101,11 @@ pub struct LoopParams {
     /// Energy that the guard allows beyond the energy balance [J].
     pub guard_allowance: f64,
     /// Largest acceleration of the device by everything except the rendered force [m/s^2]: see HandBound. 0, the
-    /// default: the guard bounds by speed only. Else guard_mass is needed.
+    /// default: none. Else guard_mass is needed. Without it and guard_hand_force the guard bounds by speed only.
     pub guard_acceleration: f64,
+    /// Largest force on the device by everything except the rendered force [N], instead of guard_acceleration, which is
+    /// then this force over guard_mass. 0, the default: none.
+    pub guard_hand_force: f64,
     /// Least mass of the device for the bound by acceleration [kg], greater than 0.
     pub guard_mass: f64,
     /// Power by which the guard forgives energy that may have been given out unnoticed [W]. Default: 0.
@@ -84,6 +114,10 @@ pub struct LoopParams {
     pub guard: u32,
     /// A palpate_hold: what the actuator holds. Default: PALPATE_HOLD_CONSTANT.
     pub hold: u32,
+    /// 1: the motion may raise guard_mass; the mass must be the same in every pose. Default: 0.
+    pub guard_learns_mass: u32,
+    /// Must be 0.
+    pub reserved: u32,
 }
 
 // SAFETY: `repr(C)`, a `usize` first, numbers only.
@@ -131,10 +165,13 @@ impl Default for LoopParams {
             guard_speed: 0.0,
             guard_allowance: 0.0,
             guard_acceleration: 0.0,
+            guard_hand_force: 0.0,
             guard_mass: 0.0,
             guard_recovery: 0.0,
             guard: GuardKind::Off as u32,
             hold: HoldKind::Constant as u32,
+            guard_learns_mass: 0,
+            reserved: 0,
         }
     }
 }
@@ -144,39 +181,6 @@ impl LoopParams {
     pub(crate) fn checked<S: Scalar>(&self) -> Result<Loop<S>, Refusal<'static>> {
         let number = S::from_f64;
         let limit = |limit: f64| (limit != f64::INFINITY).then_some(number(limit));
-        let guard_params = GuardParams {
-            largest_speed: number(self.guard_speed),
-            allowance: number(self.guard_allowance),
-            quantum: number(self.encoder_quantum),
-            recovery: number(self.guard_recovery),
-            hand: (self.guard_acceleration != 0.0).then_some(HandBound {
-                acceleration: number(self.guard_acceleration),
-                least_mass: number(self.guard_mass),
-            }),
-        };
-        let guard = match self.guard {
-            0 => Guard::Off,
-            1 => Guard::Report(guard_params),
-            2 => Guard::Limit(guard_params),
-            given => {
-                return Err(Refusal::Choice {
-                    name: "guard",
-                    given,
-                    allowed: "PALPATE_GUARD_OFF, PALPATE_GUARD_REPORT or PALPATE_GUARD_LIMIT",
-                });
-            }
-        };
-        let hold = match self.hold {
-            0 => Hold::Constant,
-            1 => Hold::Line,
-            given => {
-                return Err(Refusal::Choice {
-                    name: "hold",
-                    given,
-                    allowed: "PALPATE_HOLD_CONSTANT or PALPATE_HOLD_LINE",
-                });
-            }
-        };
         let refused = |parameter, value, words| {
             Refusal::Parameter(ParameterError {
                 parameter,
@@ -184,6 +188,38 @@ impl LoopParams {
                 allowed: Allowed::Words(words),
             })
         };
+        choice::unused(self.reserved)?;
+        let learns_mass = choice::switch("guard_learns_mass", self.guard_learns_mass)?;
+        let hand = match (self.guard_acceleration, self.guard_hand_force) {
+            (0.0, 0.0) => None,
+            (acceleration, 0.0) => Some(HandLimit::Acceleration(number(acceleration))),
+            (0.0, force) => Some(HandLimit::Force(number(force))),
+            (_, force) => {
+                return Err(refused(
+                    Parameter::GuardHandForce,
+                    force,
+                    "0 if guard_acceleration is given",
+                ));
+            }
+        };
+        let guard_params = GuardParams {
+            largest_speed: number(self.guard_speed),
+            allowance: number(self.guard_allowance),
+            quantum: number(self.encoder_quantum),
+            recovery: number(self.guard_recovery),
+            hand: hand.map(|limit| HandBound {
+                limit,
+                least_mass: number(self.guard_mass),
+                learns_mass,
+            }),
+        };
+        let guard = match self.guard {
+            0 => Guard::Off,
+            1 => Guard::Report(guard_params),
+            2 => Guard::Limit(guard_params),
+            given => return Err(GuardKind::unknown("guard", given)),
+        };
+        let hold = HoldKind::read(self.hold)?;
         let recorded = self.device_mass == f64::INFINITY;
         if self.device_mass.is_nan() || self.device_mass < 0.0 {
             let words = "greater than 0, or 0 if unknown";

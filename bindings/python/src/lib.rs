@@ -68,7 +68,7 @@ mod _palpate {
     #[pymodule_export]
     use super::replay::{replay, replay_figure};
     #[pymodule_export]
-    use super::scene::{PyScene, from_toml, period_question, read_scene, to_toml};
+    use super::scene::{PyScene, from_toml, lag_question, period_question, read_scene, to_toml};
     #[pymodule_export]
     use super::simulate::{compare, simulate, simulate_figure};
     #[pymodule_export]

@@ -30,6 +30,7 @@ fn argument_of(parameter: Parameter) -> Option<&'static str> {
         Parameter::GuardSpeed => "guard_speed",
         Parameter::GuardAllowance => "guard_allowance",
         Parameter::GuardAcceleration => "guard_acceleration",
+        Parameter::GuardHandForce => "guard_hand_force",
         Parameter::GuardMass => "guard_mass",
         Parameter::GuardRecovery => "guard_recovery",
         Parameter::DeviceMass => "device_mass",

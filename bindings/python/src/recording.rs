@@ -98,8 +98,8 @@ pub fn body(body: &BodyTick) -> [u64; BODY] {
 }
 
 /// Number of words of one of several devices at a tick: tick number, device number, flags, sampling time, round-trip
-/// time, position and orientation, and commanded and held wrench.
-const DEVICE: usize = 24;
+/// time, position and orientation, and commanded wrench, and held force, slope and torque.
+const DEVICE: usize = 27;
 
 /// Returns one of several devices at a tick as words.
 pub fn device(device: &DeviceTick) -> [u64; DEVICE] {
@@ -113,6 +113,7 @@ pub fn device(device: &DeviceTick) -> [u64; DEVICE] {
         .chain(&device.commanded_force)
         .chain(&device.commanded_torque)
         .chain(&device.delivered_force)
+        .chain(&device.delivered_slope)
         .chain(&device.delivered_torque);
     for (word, number) in words[3..].iter_mut().zip(numbers) {
         *word = number.to_bits();

@@ -66,13 +66,16 @@ struct MotionToRender {
     methods: Vec<MethodName>,
     times: Vec<f64>,
     positions: Vec<f64>,
+    /// Virtual force of each sample in addition to that of the setup `[N]`; empty: 0.
+    forces: Vec<f64>,
     title: String,
     left_out: usize,
 }
 
-/// A motion from Python: times `[s]` or in `time_unit`, positions `[m]` or in `unit`, name, the two units, and the
-/// number of skipped samples.
+/// A motion from Python: times `[s]` or in `time_unit`, positions `[m]` or in `unit`, virtual forces `[N]` or none, name,
+/// the two units, and the number of skipped samples.
 type Given<'py> = (
+    PyReadonlyArray1<'py, f64>,
     PyReadonlyArray1<'py, f64>,
     PyReadonlyArray1<'py, f64>,
     String,
@@ -84,7 +87,7 @@ type Given<'py> = (
 impl MotionToRender {
     /// Checks the arguments.
     fn new(
-        (t, x, title, unit, time_unit, left_out): &Given<'_>,
+        (t, x, forces, title, unit, time_unit, left_out): &Given<'_>,
         method: &Bound<'_, PyAny>,
         parameters: &Bound<'_, PyDict>,
         settings_given: &Bound<'_, PyDict>,
@@ -118,6 +121,7 @@ impl MotionToRender {
             methods,
             times,
             positions,
+            forces: forces.as_array().to_vec(),
             title: format!("{}: {title}", Replayed::Motion.title()),
             left_out: *left_out,
         })
@@ -129,7 +133,7 @@ impl MotionToRender {
         stop: &Stop,
         make: impl FnOnce(&str, &ReplaySetup, &Replay, RecordedMotion, Vec<Run>) -> T,
     ) -> Result<T, ReplayError> {
-        let replay = Replay::new(self.setup, &self.times, &self.positions)?;
+        let replay = Replay::pushed(self.setup, &self.times, &self.positions, &self.forces)?;
         // Takes as long as there are periods, whose number is checked by now.
         let period = self.setup.loop_params.period;
         let covers = RecordedMotion::new(&self.times, period, self.left_out);
@@ -251,6 +255,7 @@ type ReadTrace<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<f64>>,
     Option<Bound<'py, PyArray1<f64>>>,
+    Option<Bound<'py, PyArray1<f64>>>,
     usize,
 );
 
@@ -314,6 +319,7 @@ pub fn read_trace<'py>(
         array(trace.t_s),
         array(trace.position_m),
         held.force_on_device_n.map(array),
+        held.virtual_force_n.map(array),
         held.notes.left_out,
     ))
 }

@@ -30,7 +30,7 @@ use crate::interrupt::{Stop, interruptible};
 use crate::methods::{chosen, settings};
 use crate::names::{refused, wrong_on_bench, wrong_replay};
 use crate::render::{Rendered, RenderedInPython};
-use crate::setup::{check_fact, guard_named, side_named};
+use crate::setup::{check_fact, check_hand, guard_named, side_named};
 use crate::worlds::{Evaluated, replay_world};
 
 /// Changes to the recording's scene; `None` keeps the recorded value.
@@ -53,7 +53,9 @@ struct Changes {
     guard_speed: Option<f64>,
     guard_allowance: Option<f64>,
     guard_acceleration: Option<f64>,
+    guard_hand_force: Option<f64>,
     guard_mass: Option<f64>,
+    guard_learn_mass: Option<bool>,
     guard_recovery: Option<f64>,
     delay: Option<f64>,
     delay_deviation: Option<f64>,
@@ -94,19 +96,18 @@ impl Changes {
             speed,
             allowance,
             acceleration,
+            hand_force,
             least_mass: _,
+            learns_mass: _,
             recovery,
         } = bounds;
-        let given = [speed, allowance, acceleration, recovery];
+        let given = [speed, allowance, acceleration, hand_force, recovery];
         if self.guard.is_none() && given.iter().any(Option::is_some) {
             return Err(refused(
-                "guard_speed, guard_allowance, guard_acceleration and guard_recovery need a guard; give guard",
+                "guard_speed, guard_allowance, guard_acceleration, guard_hand_force and guard_recovery need a guard; give guard",
             ));
         }
-        if bounds.lacks_acceleration() {
-            return Err(refused("guard_mass needs guard_acceleration"));
-        }
-        Ok(())
+        check_hand(&bounds)
     }
 
     fn guard_bounds(&self) -> GuardBounds {
@@ -114,7 +115,9 @@ impl Changes {
             speed: self.guard_speed,
             allowance: self.guard_allowance,
             acceleration: self.guard_acceleration,
+            hand_force: self.guard_hand_force,
             least_mass: self.guard_mass,
+            learns_mass: self.guard_learn_mass.unwrap_or(false),
             recovery: self.guard_recovery,
         }
     }
@@ -208,6 +211,7 @@ impl Changes {
             Parameter::GuardSpeed => self.guard_speed.is_some(),
             Parameter::GuardAllowance => self.guard_allowance.is_some(),
             Parameter::GuardAcceleration => self.guard_acceleration.is_some(),
+            Parameter::GuardHandForce => self.guard_hand_force.is_some(),
             Parameter::GuardMass => self.guard_mass.is_some(),
             Parameter::GuardRecovery => self.guard_recovery.is_some(),
             Parameter::DeviceMass => self.device_mass.is_some(),

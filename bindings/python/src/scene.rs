@@ -176,6 +176,12 @@ pub fn period_question(name: &str, usual: &str, period: f64) -> Option<String> {
     palpate_scene::period_question(name, usual, period)
 }
 
+/// Returns the question whether a lag is in milliseconds, if it is implausible for a haptic device.
+#[pyfunction]
+pub fn lag_question(name: &str, usual: &str, lag: f64) -> Option<String> {
+    palpate_scene::lag_question(name, usual, lag)
+}
+
 /// Converts tables of Python to the text of a scene file.
 #[pyfunction]
 pub fn to_toml(tables: &Bound<'_, PyDict>) -> PyResult<String> {

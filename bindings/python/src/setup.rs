@@ -4,7 +4,7 @@ use palpate_core::{
     Actuation, Allowed, BasicParams, Contact, Hold, LARGEST_DELAY, LoopParams, Mass, ObjectState,
     Parameter, ParameterError, Range, Renderer, Side,
 };
-use palpate_scene::{GuardBounds, GuardMode};
+use palpate_scene::{GuardBounds, GuardConflict, GuardMode};
 use palpate_study::sim::replay::ReplaySetup;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -32,7 +32,9 @@ pub struct Arguments {
     guard_speed: f64,
     guard_allowance: Option<f64>,
     guard_acceleration: Option<f64>,
+    guard_hand_force: Option<f64>,
     guard_mass: Option<f64>,
+    guard_learn_mass: bool,
     guard_recovery: Option<f64>,
     delay: f64,
     delay_deviation: f64,
@@ -70,12 +72,12 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
         speed: Some(given.guard_speed),
         allowance: given.guard_allowance,
         acceleration: given.guard_acceleration,
+        hand_force: given.guard_hand_force,
         least_mass: given.guard_mass,
+        learns_mass: given.guard_learn_mass,
         recovery: given.guard_recovery,
     };
-    if bounds.lacks_acceleration() {
-        return Err(refused("guard_mass needs guard_acceleration"));
-    }
+    check_hand(&bounds)?;
     let setup = ReplaySetup {
         contact,
         loop_params: LoopParams {
@@ -144,6 +146,19 @@ impl Arguments {
             check_fact(parameter, value)?;
         }
         Ok(())
+    }
+}
+
+/// Rejects bounds of the hand that exclude or miss each other.
+pub fn check_hand(bounds: &GuardBounds) -> PyResult<()> {
+    match bounds.conflict() {
+        None => Ok(()),
+        Some(GuardConflict::MassAlone) => Err(refused(
+            "guard_mass and guard_learn_mass need guard_acceleration or guard_hand_force",
+        )),
+        Some(GuardConflict::TwoLimits) => Err(refused(
+            "guard_hand_force excludes guard_acceleration; give one",
+        )),
     }
 }
 

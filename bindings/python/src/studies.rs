@@ -2,8 +2,9 @@
 
 use palpate_core::MethodName;
 use palpate_scene::Scene;
+use palpate_study::heights::over_heights;
 use palpate_study::heights::report::{HeightsReport, SceneReport};
-use palpate_study::heights::{HeightsError, over_heights};
+use palpate_study::studied::{Studied, StudyError};
 use palpate_study::suite::Column;
 use palpate_study::sweep::report::SweepReport;
 use palpate_study::sweep::{Quantity, SweepError, sweep as swept};
@@ -110,10 +111,8 @@ pub fn heights(
     let threads = threads()?;
     let found = interruptible(py, move |stop| {
         let mut reports = Vec::with_capacity(evaluated.len());
-        for (place, mut scene) in evaluated.into_iter().enumerate() {
-            if model_mass_factor != 1.0 {
-                scene.model_device_mass = Some(model_mass_factor * scene.device.mass());
-            }
+        for (place, scene) in evaluated.into_iter().enumerate() {
+            let scene = scene.with_model_mass_factor(model_mass_factor);
             let found = threads
                 .install(|| over_heights(&scene, &columns, || stop.leave_if_raised()))
                 .map_err(|error| (place, scene.method, error))?;
@@ -122,15 +121,13 @@ pub fn heights(
         let report = HeightsReport::new(model_mass_factor, reports);
         Ok((palpate_study::json(&report), report.to_string()))
     })?;
-    found.map_err(
-        |(place, method, error): (usize, MethodName, HeightsError)| {
-            let scene = scenes[place].get();
-            match error {
-                HeightsError::Scene(error) => scene.wrong(method, &error),
-                other => refused(format!("{}: {other}", scene.name)),
-            }
-        },
-    )
+    found.map_err(|(place, method, error): (usize, MethodName, StudyError)| {
+        let scene = scenes[place].get();
+        match error {
+            StudyError::Contact(error) => scene.wrong(method, &error),
+            other => refused(format!("{}: {other}", scene.name)),
+        }
+    })
 }
 
 /// Evaluates methods on a scene at several values of one quantity.

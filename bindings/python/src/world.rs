@@ -47,14 +47,16 @@ pub struct PyWorld {
 /// Result of a sample.
 struct Answer {
     wrenches: Vec<Wrench>,
+    slopes: Vec<Vector>,
     limited: Vec<&'static str>,
     effort: Effort,
     fault: Option<String>,
     faulty: Option<String>,
 }
 
-/// Forces or wrenches, limits, effort, fault and its device.
+/// Forces or wrenches, slopes, limits, effort, fault and its device.
 type WorldResult<'py> = (
+    Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
     Vec<&'static str>,
     (u32, u32, u32, bool),
@@ -148,7 +150,7 @@ impl PyWorld {
         Ok(Self {
             force_limit: scene.render.force_limit,
             soft_start,
-            bounded: BoundedWorld::of_constants(renderer, limits).map_err(refused)?,
+            bounded: BoundedWorld::new(renderer, limits).map_err(refused)?,
             name: name.unwrap_or_else(|| file.scene.title.clone()),
             is_file,
             file,
@@ -194,7 +196,7 @@ impl PyWorld {
         let held = self.bounded.step(&sample);
         let (fault, effort) = (held.fault, held.effort);
         let limited = bounded::names(held.limited, held.bounded);
-        let wrenches = held.wrenches.to_vec();
+        let (wrenches, slopes) = (held.wrenches.to_vec(), held.slopes.to_vec());
         let name = |tool: usize| self.file.scene.world.tools[tool].name.clone();
         let answer = Answer {
             limited,
@@ -202,15 +204,18 @@ impl PyWorld {
             fault: fault.map(|fault| fault.fault.name().to_owned()),
             faulty: fault.and_then(|fault| fault.tool).map(name),
             wrenches,
+            slopes,
         };
         let held = self.held(py, &answer.wrenches)?;
         self.last = Some(answer);
         Ok(held)
     }
 
-    /// Reports the wrench that was actually sent to a device for the last sample `[N]`, `[N m]`.
-    fn tell_sent(&mut self, tool: usize, force: Vector, torque: Vector) {
-        self.bounded.report_sent(tool, Wrench { force, torque });
+    /// Reports the wrench that was actually sent to a device for the last sample `[N]`, `[N m]`, and the slope of its
+    /// force `[N/s]`.
+    fn tell_sent(&mut self, tool: usize, force: Vector, torque: Vector, slope: Vector) {
+        self.bounded
+            .report_sent(tool, Wrench { force, torque }, slope);
     }
 
     /// Whether a device gives a torque: result rows then have 6 numbers instead of 3.
@@ -248,6 +253,7 @@ impl PyWorld {
         } = answer.effort;
         Ok(Some((
             self.held(py, &answer.wrenches)?,
+            rows(py, &answer.slopes)?,
             answer.limited.clone(),
             (sub_steps, refined, unrefined, too_fast),
             answer.fault.clone(),

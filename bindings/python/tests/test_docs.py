@@ -44,7 +44,7 @@ def test_every_public_name_says_what_it_is() -> None:
 def test_every_argument_is_explained_with_its_unit() -> None:
     """Names of arguments stand in the text, and what is no pure number or word has a unit in brackets."""
     text = inspect.cleandoc(palpate.Renderer.__doc__ or "")
-    pure = {"method", "side", "unilateral", "guard", "gain", "gain_deviation", "hold"}
+    pure = {"method", "side", "unilateral", "guard", "gain", "gain_deviation", "guard_learn_mass", "hold"}
     made = palpate.Renderer(stiffness=1.0, mass=1.0, period=1e-3, method="basic")
     for name in made.parameters:
         [line] = re.findall(rf"^    {name}: (.*(?:\n {{8,}}.*)*)", text, re.MULTILINE)

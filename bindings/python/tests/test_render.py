@@ -125,7 +125,7 @@ def test_a_table_is_read_as_it_is_laid_out_and_rendered_as_its_arrays(tmp_path: 
     read = palpate.read_trace(table, **said)
     np.testing.assert_allclose(read.t, t, rtol=1e-12)
     np.testing.assert_allclose(read.x, x, rtol=1e-15, atol=1e-17)
-    assert read.force is None and read.left_out == 0
+    assert read.force is None and read.virtual_force is None and read.left_out == 0
     for left, words in [
         ("columns", r'columns=\{"t": NAME, "x": NAME\}'),
         ("decimal_comma", "decimal_comma=True"),
@@ -141,6 +141,19 @@ def test_a_table_is_read_as_it_is_laid_out_and_rendered_as_its_arrays(tmp_path: 
         read = palpate.read_trace(table, skip_missing=True)
     assert read.left_out == 1
     np.testing.assert_array_equal(read.t, [0, 0.002])
+
+
+def test_each_sample_may_have_a_virtual_force(tmp_path: Any) -> None:
+    t, x = SWING
+    contact = {**CONTACT, "method": "hfcr"}
+    constant = palpate.render(t, x, **{**contact, "force": -0.5})
+    varying = palpate.render(t, x, **{**contact, "force": -0.1}, virtual_force=np.full(len(t), -0.4))
+    assert varying["methods"] == constant["methods"]
+    table = tmp_path / "pushed.csv"
+    table.write_text("t_s,position_m,virtual_force_n\n0,0.01,1\n0.001,0.01,2\n")
+    assert palpate.read_trace(table).virtual_force.tolist() == [1, 2]  # type: ignore[union-attr]
+    with pytest.raises(ValueError, match="virtual_force has 1 numbers, but must have"):
+        palpate.render(t, x, **contact, virtual_force=[1.0])
 
 
 def test_times_in_milliseconds_gaps_and_missing_values_are_not_taken_for_others() -> None:
@@ -165,6 +178,8 @@ def test_a_period_in_milliseconds_is_questioned() -> None:
         palpate.Renderer(stiffness=400.0, mass=0.1, period=1.0, device_mass=0.25)
     with pytest.warns(UserWarning, match="period is 1 s"):
         palpate.render([0.0, 0.1, 2.0], [0.0, 0.0, 0.0], stiffness=400.0, mass=0.1, period=1.0, method="basic", time_unit="s")
+    with pytest.warns(UserWarning, match="lag is 1 s; is it in milliseconds"):
+        palpate.Renderer(stiffness=400.0, mass=0.1, period=0.001, device_mass=0.25, lag=1.0)
     with pytest.warns(UserWarning, match="period is 1 s"):
         palpate.advise(period=1.0, device_mass=0.25, stiffness=0.1, method="basic")
     with pytest.warns(UserWarning, match="period_s is 1 s"):

@@ -161,7 +161,12 @@ def test_ledger_records_the_reported_sent_force() -> None:
             {"guard": "limit", "guard_acceleration": 80, "guard_mass": 0},
             "guard_mass is 0 kg, but must be finite and greater than 0",
         ),
-        ({"guard": "limit", "guard_mass": 0.1}, "guard_mass needs guard_acceleration"),
+        ({"guard": "limit", "guard_mass": 0.1}, "guard_mass and guard_learn_mass need guard_acceleration or guard_hand_force"),
+        ({"guard": "limit", "guard_hand_force": 0}, "guard_hand_force is 0 N, but must be finite and greater than 0"),
+        (
+            {"guard": "limit", "guard_acceleration": 80, "guard_hand_force": 10},
+            "guard_hand_force excludes guard_acceleration; give one",
+        ),
         ({"guard": "limit", "guard_recovery": -1}, "guard_recovery is -1 W, but must be finite and not below 0"),
         ({"delay": 0.009}, "delay is 0.009 s, 9 periods, but must be at most 8 periods"),
         ({"delay": -1}, "delay is -1 s, but must be finite and not below 0"),

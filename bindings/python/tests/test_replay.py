@@ -170,7 +170,7 @@ def test_a_device_that_leaves_what_an_arm_reaches_is_said(program: Any, tap: Pat
         ({"lag": float("nan")}, "lag is NaN s, but must be"),
         ({"side": "left"}, 'side is "left", but must be "positive" or "negative"'),
         ({"guard": "on"}, 'guard is "on", but must be "off" or "report" or "limit"'),
-        ({"guard_speed": 1.0}, "guard_speed, guard_allowance, guard_acceleration and guard_recovery need a guard; give guard"),
+        ({"guard_speed": 1.0}, "guard_speed, guard_allowance, guard_acceleration, guard_hand_force and guard_recovery need a guard; give guard"),
         ({"replay": "film"}, 'replay is "film", but must be "motion" or "hand"'),
         ({"hand_damping": 1.0}, 'hand_damping is for replay="hand"; replay="motion" has no hand model'),
         ({"replay": "hand", "hand_damping": -1.0}, "hand_damping is -1, but must be"),

@@ -209,6 +209,28 @@ def test_a_sample_that_cannot_be_used_gives_no_force() -> None:
     world.report_sent([0, 0, 0])
 
 
+def test_a_line_hold_gives_the_slopes_of_the_pipe(program: Any, root: Path, tmp_path: Path) -> None:
+    path = tmp_path / "groove.toml"
+    text = (root / "experiments/worlds/groove-90-rough.toml").read_text()
+    path.write_text(text.replace("period_s = 0.001\n", 'period_s = 0.001\nhold = "line"\n', 1))
+    world = palpate.World(path)
+    motion = np.array([[0.0, 0.0, 2e-4 - 4e-5 * tick] for tick in range(60)])
+    lines = "".join(",".join(map(repr, row)) + "\n" for row in motion.tolist())
+    said = program("pipe", path, "--unit", "m", "--columns", "force,slope", given=lines).splitlines()
+    theirs = [[float(x) for x in line.split(",")] for line in said[:60]]
+    ours = []
+    for position in motion:
+        force = world.step(position)
+        assert world.output is not None
+        ours.append([*force.tolist(), *world.output.slopes[0].tolist()])
+    assert ours == theirs
+    assert np.abs(np.array(ours)[:, 3:]).max() > 10.0
+    world.report_sent([0.0, 0.0, 1.0], slope=[0.0, 0.0, 10.0])
+    with pytest.raises(ValueError, match=r"slope has the shape \(1,\), but must have \(3,\)"):
+        world.report_sent([0.0, 0.0, 1.0], slope=[1.0])
+    assert ball().step([0, 0, 0.0]).shape == (3,)
+
+
 def test_a_world_is_made_of_tables_step_by_step(root: Path) -> None:
     world = ball(title="two").add(
         bodies=({"name": "floor", "fixed": True, "shape": {"half_space": {"normal": [0, 0, 1], "offset_m": 0.0}}} for _ in [0]),

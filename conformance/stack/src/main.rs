@@ -85,7 +85,7 @@ fn measured<S: Scalar, P: MethodParams<S> + Copy>(params: P, delay: f64, needs: 
         },
         guard: Guard::Report(GuardParams {
             recovery: of(0.01),
-            hand: Some(HandBound::of_force(of(20.0), of(0.1))),
+            hand: Some(HandBound::from_force(of(20.0), of(0.1))),
             ..GuardParams::by_speed(of(1.0), of(1e-3))
         }),
         ..LoopParams::new(of(0.01))

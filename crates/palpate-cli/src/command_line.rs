@@ -64,7 +64,8 @@ Motion replay, the default: the recording prescribes the motion of the device; f
 sample gets the force that the method would hold, and the energy ledger reports the energy that this force \
 would leak on this motion. The ideal is the same object in continuous time, on the recording at its full rate \
 with linear interpolation between samples. If the loop's period is a multiple of the recording's, samples are \
-used exactly; otherwise they are interpolated linearly.
+used exactly; otherwise they are interpolated linearly. The column virtual_force_n of the trace is a force on the \
+object from each sample to the next, in addition to --force.
 
 Hand replay, --replay hand: the force of the hand on a device of --device-mass is estimated from the motion, \
 and the loop is closed again: the device moves under that hand and the new force. The column force_on_device_n \

@@ -2,12 +2,13 @@
 
 use std::fmt;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use palpate_record::files::outputs::Outputs;
 use palpate_study::json;
 use palpate_study::report::Report;
 use palpate_study::sim::run::Run;
+use palpate_study::table::TableFormat;
 use serde::Serialize;
 
 use crate::arguments::{LookFlags, PlotFlags, Results, TimeFlags};
@@ -169,6 +170,33 @@ impl PlotFlags {
             },
         }
     }
+}
+
+/// Writes the table of a study, if requested; returns the written file.
+pub fn write_table<const N: usize>(
+    outputs: &Outputs,
+    out: Option<&PathBuf>,
+    columns: &[&str; N],
+    rows: impl Iterator<Item = [String; N]>,
+) -> Result<Option<String>, Failure> {
+    let Some(out) = out else { return Ok(None) };
+    outputs.write(out, |writer| {
+        TableFormat::from_path(out).write(writer, columns, rows)
+    })?;
+    Ok(Some(out.display().to_string()))
+}
+
+/// Draws the figure of a study, if requested; returns the written file.
+pub fn draw_study<P: Picture>(
+    outputs: &Outputs,
+    picture: &PlotFlags,
+    figure: impl FnOnce() -> P,
+) -> Result<Option<String>, Failure> {
+    let Some(path) = &picture.plot else {
+        return Ok(None);
+    };
+    draw(outputs, path, &figure(), &picture.look)?;
+    Ok(Some(path.display().to_string()))
 }
 
 /// Draws a figure into a file, atomically.

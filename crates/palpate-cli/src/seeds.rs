@@ -2,14 +2,8 @@
 
 use std::ops::Range;
 
-use palpate_scene::Scene;
-use palpate_scene::method::MethodName;
-use palpate_scene::world::WorldScene;
-use palpate_study::seeded::{
-    Seeded, over_seeds, scores, scores_of_world, with_seed, world_with_seed,
-};
-use palpate_study::sim::closed_loop::LoopError;
-use palpate_study::sim::world::WorldBenchError;
+use palpate_study::seeded::{Seeded, over_seeds, scores};
+use palpate_study::studied::{Compared, Studied, StudyError};
 
 use crate::arguments::SeedFlags;
 use crate::failure::Failure;
@@ -43,31 +37,22 @@ impl SeedFlags {
     }
 
     /// Returns the seeds of a scene, the first one its own.
-    pub fn of_scene(&self, scene: &Scene) -> Result<Range<u64>, Failure> {
-        self.of_random(scene.random_seed(), scene.timing.seed)
+    pub fn of_scene(&self, scene: &impl Studied) -> Result<Range<u64>, Failure> {
+        if scene.random_seed().is_none() && self.start_range.is_none() {
+            return Err(self.refused(
+                "nothing is random in this scene (no jitter of samples or commands, drops or sensor noise), so every \
+                 seed gives the same numbers; omit the flag, or vary the start with --start-range",
+            ));
+        }
+        self.range(scene.seed())
     }
 
-    /// Returns the seeds from `random` on, the seed of a random loop; without it from `seed` on, if the start varies.
-    fn of_random(&self, random: Option<u64>, seed: u64) -> Result<Range<u64>, Failure> {
-        let first = match (random, self.start_range) {
-            (Some(first), _) => first,
-            (None, Some(_)) => seed,
-            (None, None) => {
-                return Err(self.refused(
-                    "nothing is random in this scene (no jitter of samples or commands, drops or sensor noise), so every \
-                     seed gives the same numbers; omit the flag, or vary the start with --start-range",
-                ));
-            }
-        };
-        self.range(first)
-    }
-
-    /// Returns methods over the seeds of a scene.
-    pub fn contact(
+    /// Returns columns over the seeds of a scene.
+    pub fn over<S: Studied>(
         &self,
-        scene: &Scene,
-        methods: &[MethodName],
-        failure: impl Fn(LoopError) -> Failure,
+        scene: &S,
+        columns: &[S::Column],
+        failure: impl Fn(StudyError) -> Failure,
     ) -> Result<Seeded, Failure> {
         let seeds = self.of_scene(scene)?;
         let first = seeds.start;
@@ -75,29 +60,10 @@ impl SeedFlags {
         progress.begin("seeds");
         let done = || progress.advance();
         let scores = over_seeds(seeds, done, |seed| {
-            scores(&with_seed(scene, seed, self.start_range), methods)
+            scores(&scene.with_seed(seed, self.start_range), columns)
         });
-        let names: Vec<_> = methods.iter().map(|method| method.name()).collect();
+        let names: Vec<_> = columns.iter().map(Compared::name).collect();
         let scores = scores.map_err(failure)?;
         Ok(Seeded::new(first, self.start_range, &names, &scores))
-    }
-
-    /// Returns methods over the seeds of a world.
-    pub fn world(
-        &self,
-        world: &WorldScene,
-        methods: &[&str],
-        failure: impl Fn(WorldBenchError) -> Failure,
-    ) -> Result<Seeded, Failure> {
-        let seeds = self.of_random(world.random_seed(), world.timing.imperfections.seed)?;
-        let first = seeds.start;
-        let progress = Progress::new(self.seeds as usize);
-        progress.begin("seeds");
-        let done = || progress.advance();
-        let scores = over_seeds(seeds, done, |seed| {
-            scores_of_world(&world_with_seed(world, seed, self.start_range), methods)
-        });
-        let scores = scores.map_err(failure)?;
-        Ok(Seeded::new(first, self.start_range, methods, &scores))
     }
 }

@@ -230,7 +230,9 @@ impl Flags {
                     speed: self.guard_speed,
                     allowance: self.guard_allowance,
                     acceleration: self.guard_acceleration,
+                    hand_force: self.guard_hand_force,
                     least_mass: self.guard_mass,
+                    learns_mass: self.guard_learn_mass,
                     recovery: self.guard_recovery,
                 })
             }),
@@ -310,6 +312,7 @@ impl Flags {
             Parameter::GuardSpeed,
             Parameter::GuardAllowance,
             Parameter::GuardAcceleration,
+            Parameter::GuardHandForce,
             Parameter::GuardMass,
             Parameter::GuardRecovery,
             Parameter::DeviceMass,

@@ -9,7 +9,7 @@ use palpate_record::unit::{LengthUnit, TimeUnit};
 use palpate_rt::WorldAxis;
 use palpate_scene::method::{MethodName, method_named};
 use palpate_scene::world::WorldScene;
-use palpate_scene::{GuardMode, HandForceAt, period_question};
+use palpate_scene::{GuardMode, HandForceAt, lag_question, period_question};
 use palpate_study::suite::Set;
 use palpate_study::sweep::Quantity;
 use palpate_study::world::suite::WorldSet;
@@ -110,6 +110,15 @@ pub fn period(text: &str) -> Result<f64, String> {
     Ok(period)
 }
 
+/// Parses a lag `[s]`, and warns of one that is probably in milliseconds.
+pub fn lag(text: &str) -> Result<f64, String> {
+    let lag = number(text)?;
+    if let Some(question) = lag_question("--lag", "--lag 0.001", lag) {
+        tell(format_args!("warning: {question}"));
+    }
+    Ok(lag)
+}
+
 /// Parses an integer of 0 or above.
 pub fn whole<N: std::str::FromStr>(text: &str) -> Result<N, String> {
     text.parse()
@@ -147,17 +156,38 @@ pub fn numbers(text: &str) -> Result<Numbers, String> {
     values.map(Numbers)
 }
 
-/// Parses a quantity of a scene that can be varied.
-pub fn quantity(text: &str) -> Result<Quantity, String> {
-    Quantity::ALL
-        .into_iter()
-        .find(|quantity| quantity.name() == text)
-        .ok_or_else(|| {
-            format!(
-                "the quantities are {}",
-                Quantity::ALL.map(Quantity::name).join(", ")
-            )
-        })
+/// The varied quantity or key.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Over {
+    /// A quantity of a scene.
+    Quantity(Quantity),
+    /// A key of a scene.
+    Key(String),
+}
+
+impl Over {
+    /// Returns the name of the quantity, or the key.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Quantity(quantity) => quantity.name(),
+            Self::Key(key) => key,
+        }
+    }
+}
+
+/// Parses a quantity or a key of a scene that can be varied.
+pub fn over(text: &str) -> Result<Over, String> {
+    let mut all = Quantity::ALL.into_iter();
+    if let Some(quantity) = all.find(|quantity| quantity.name() == text) {
+        return Ok(Over::Quantity(quantity));
+    }
+    if text.contains(['.', '[']) {
+        return Ok(Over::Key(text.into()));
+    }
+    Err(format!(
+        "the quantities are {}; a key is a path, such as body.0.mass_kg",
+        Quantity::ALL.map(Quantity::name).join(", ")
+    ))
 }
 
 /// Parses a family of random plants.

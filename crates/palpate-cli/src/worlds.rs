@@ -1,12 +1,15 @@
 //! Worlds in commands: their flags, methods and error messages.
 
+use std::fmt::Display;
 use std::path::Path;
 
+use palpate_scene::hand_limit;
 use palpate_scene::world::{WorldFile, WorldScene, hand_guard, usual_guard};
-use palpate_world::{WorldErrors, WorldField, WorldGuard, WorldPart};
+use palpate_world::{WorldErrors, WorldField, WorldGuard, WorldHandLimit, WorldPart};
 
 use crate::arguments::{Flags, Given};
 use crate::failure::Failure;
+use crate::values::AnyMethods;
 
 /// Rejects flags that do not apply to a world.
 pub fn only(given: &Given, known: &[&str], path: &Path) -> Result<(), Failure> {
@@ -31,10 +34,7 @@ pub fn only(given: &Given, known: &[&str], path: &Path) -> Result<(), Failure> {
 pub fn methods<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Vec<&'a str> {
     match &flags.method {
         None => vec![&scene.render.method],
-        Some(methods) if methods.are_all => {
-            let all = WorldScene::METHODS.into_iter();
-            all.filter(|name| scene.method(name).is_ok()).collect()
-        }
+        Some(methods) if methods.are_all => able(scene),
         Some(methods) => methods.names.clone(),
     }
 }
@@ -51,9 +51,20 @@ pub fn guarded(flags: &Flags, file: &WorldFile) -> WorldFile {
         params.largest_speed = flags.guard_speed.unwrap_or(params.largest_speed);
         params.allowance = flags.guard_allowance.unwrap_or(params.allowance);
         params.recovery = flags.guard_recovery.unwrap_or(params.recovery);
-        if let Some(acceleration) = flags.guard_acceleration {
-            let hand = params.hand.get_or_insert(hand_guard(acceleration));
-            hand.acceleration = acceleration;
+        if let Some(limit) = hand_limit(flags.guard_acceleration, flags.guard_hand_force) {
+            let given = hand_guard(limit);
+            let hand = params.hand.get_or_insert(given);
+            hand.limit = match (hand.limit, given.limit) {
+                // The file has the angular part.
+                (
+                    WorldHandLimit::Acceleration { angular, .. },
+                    WorldHandLimit::Acceleration { linear, .. },
+                ) => WorldHandLimit::Acceleration { linear, angular },
+                (WorldHandLimit::Force { torque, .. }, WorldHandLimit::Force { force, .. }) => {
+                    WorldHandLimit::Force { force, torque }
+                }
+                (_, given) => given,
+            };
             if let Some(mass) = flags.guard_mass {
                 hand.least_mass = [mass; 3];
             }
@@ -61,6 +72,35 @@ pub fn guarded(flags: &Flags, file: &WorldFile) -> WorldFile {
         *guard = mode.of_world(params);
     }
     file
+}
+
+/// Returns the methods of a study on a world: the named ones, or `all`.
+pub fn compared(
+    named: Option<&AnyMethods>,
+    all: impl FnOnce() -> Vec<&'static str>,
+) -> Result<Vec<&'static str>, Failure> {
+    let Some(named) = named.filter(|methods| !methods.are_all) else {
+        return Ok(all());
+    };
+    let is_unknown = |name: &&&str| !WorldScene::METHODS.contains(name);
+    match named.names.iter().find(is_unknown) {
+        None => Ok(named.names.clone()),
+        Some(other) => Err(Failure::Arguments(format!(
+            "--method: {other} does not render worlds; the methods are {}",
+            WorldScene::METHODS.join(", ")
+        ))),
+    }
+}
+
+/// Returns the methods for which a world has every setting and supported shapes.
+pub fn able(scene: &WorldScene) -> Vec<&'static str> {
+    let all = WorldScene::METHODS.into_iter();
+    all.filter(|name| scene.method(name).is_ok()).collect()
+}
+
+/// Explains an error of a study on the scene of a file.
+pub fn failed<E: Display>(path: &Path) -> impl Fn(E) -> Failure {
+    move |error| Failure::input(format!("{}: {error}", path.display()))
 }
 
 /// Returns the single method.
@@ -98,6 +138,11 @@ pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &WorldErrors) -> Fai
             "--guard-acceleration",
             flags.guard_acceleration,
         ),
+        (
+            WorldField::GuardHandForce,
+            "--guard-hand-force",
+            flags.guard_hand_force,
+        ),
         (WorldField::GuardMass, "--guard-mass", flags.guard_mass),
         (
             WorldField::GuardRecovery,
@@ -110,12 +155,20 @@ pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &WorldErrors) -> Fai
         }
     }
     // The file has no such key if it has no such guard.
-    if first.field == WorldField::GuardTurning && flags.guard_acceleration.is_some() {
-        return Failure::Arguments(
-            "--guard-acceleration: a device turns; set render.guard.turning_acceleration_rad_per_s2 and \
-             acceleration_m_per_s2 in the file"
-                .into(),
-        );
+    let turned = match first.field {
+        WorldField::GuardTurning if flags.guard_acceleration.is_some() => Some((
+            "--guard-acceleration",
+            "turning_acceleration_rad_per_s2 and acceleration_m_per_s2",
+        )),
+        WorldField::GuardHandTorque if flags.guard_hand_force.is_some() => {
+            Some(("--guard-hand-force", "hand_torque_n_m and hand_force_n"))
+        }
+        _ => None,
+    };
+    if let Some((flag, keys)) = turned {
+        return Failure::Arguments(format!(
+            "{flag}: a device turns; set render.guard.{keys} in the file"
+        ));
     }
     if flags.method.is_some() && first.part == WorldPart::Method {
         return Failure::Arguments(format!("--method: {}", first.message));

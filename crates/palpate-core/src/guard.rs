@@ -44,6 +44,15 @@
 //! bounds is sent. A device that enters the object pays nothing.
 //!
 //! A force that changes between two samples then hides at most `a_h course - min(mean lead, 0)/m`.
+//!
+//! With [`HandBound::learns_mass`] the motion itself bounds the mass. Two steps with the mean velocities v1 and v2, their
+//! middles h apart, and the impulse J between these middles, which a heavy device resists, show
+//!
+//! ```text
+//! m >= J/(v1 - v2 + a_h h + q/T1 + q/T2),  or  m >= (J - F h)/(v1 - v2 + q/T1 + q/T2)  by the largest hand force F
+//! ```
+//!
+//! for a push; pulls are mirrored. The largest of these is the least mass from then on, until a step exceeds the bound.
 
 use crate::Scalar;
 use crate::actuator::{Held, Impulse, Pending, Uneven};
@@ -112,19 +121,70 @@ pub struct GuardParams<S> {
     ))
 )]
 pub struct HandBound<S> {
-    /// Largest acceleration a_h `[m/s^2]`, greater than 0. 20 N on 0.25 kg are 80 m/s^2.
-    pub acceleration: S,
+    /// Largest effect of the hand.
+    pub limit: HandLimit<S>,
     /// Least mass of the device that the rendered force can find `[kg]`, greater than 0.
     pub least_mass: S,
+    /// Whether the motion may raise the least mass. It requires a mass that is the same in every pose.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub learns_mass: bool,
+}
+
+/// Largest effect of everything except the rendered force on the device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
+)]
+pub enum HandLimit<S> {
+    /// Largest acceleration a_h `[m/s^2]`, greater than 0.
+    Acceleration(S),
+    /// Largest force `[N]`, greater than 0. a_h is this force over the least mass: 10 N on 0.125 kg are 80 m/s^2.
+    Force(S),
 }
 
 impl<S: Scalar> HandBound<S> {
+    /// Creates the bound of a hand that accelerates a device of at least `least_mass` `[kg]` by at most `acceleration`
+    /// `[m/s^2]`.
+    #[must_use]
+    pub const fn from_acceleration(acceleration: S, least_mass: S) -> Self {
+        Self {
+            limit: HandLimit::Acceleration(acceleration),
+            least_mass,
+            learns_mass: false,
+        }
+    }
+
     /// Creates the bound of a hand that exerts at most `force` `[N]` on a device of at least `least_mass` `[kg]`.
     #[must_use]
-    pub fn of_force(force: S, least_mass: S) -> Self {
+    pub const fn from_force(force: S, least_mass: S) -> Self {
         Self {
-            acceleration: force / least_mass,
+            limit: HandLimit::Force(force),
             least_mass,
+            learns_mass: false,
+        }
+    }
+
+    /// Returns the bound whose least mass the motion may raise.
+    #[must_use]
+    pub const fn learning_mass(self) -> Self {
+        Self {
+            learns_mass: true,
+            ..self
+        }
+    }
+
+    /// Returns the largest acceleration a_h `[m/s^2]`.
+    #[must_use]
+    pub fn acceleration(&self) -> S {
+        match self.limit {
+            HandLimit::Acceleration(acceleration) => acceleration,
+            HandLimit::Force(force) => force / self.least_mass,
         }
     }
 
@@ -132,15 +192,16 @@ impl<S: Scalar> HandBound<S> {
     /// a sensor of this `quantum` `[m]` and an actuator without delay `[J]`.
     #[must_use]
     pub fn allowance_for(&self, force: S, period: S, quantum: S) -> S {
-        let moved = self.acceleration * period * period + quantum;
+        let moved = self.acceleration() * period * period + quantum;
         force * moved + force * force * period * period / self.least_mass
     }
 
     fn faults(&self) -> [Option<ParameterError>; 2] {
         [
-            Parameter::GuardAcceleration
-                .positive(self.acceleration)
-                .err(),
+            match self.limit {
+                HandLimit::Acceleration(most) => Parameter::GuardAcceleration.positive(most).err(),
+                HandLimit::Force(most) => Parameter::GuardHandForce.positive(most).err(),
+            },
             Parameter::GuardMass.positive(self.least_mass).err(),
         ]
     }
@@ -188,6 +249,8 @@ pub(crate) struct GuardMemory<S> {
     last: Option<LastStep<S>>,
     /// Whether the last interval may be used for the bound by acceleration.
     is_within: bool,
+    /// Least mass that the motion has shown `[kg]`; 0: none.
+    shown: S,
     /// Mean force over the last interval `[N]`.
     held: S,
     /// Energy that may have been given out unnoticed `[J]`.
@@ -213,6 +276,7 @@ impl<S: Scalar> GuardMemory<S> {
         Self {
             last: None,
             is_within: false,
+            shown: S::ZERO,
             held: S::ZERO,
             hidden: S::ZERO,
             unseen: S::ZERO,
@@ -241,7 +305,16 @@ impl<S: Scalar> GuardMemory<S> {
             Some(hand) => {
                 let now = LastStep::of(held, moved, elapsed);
                 let before = self.last.replace(now);
+                let hand = hand.of_at_least(self.shown);
                 self.is_within = !before.is_some_and(|last| hand.is_exceeded(params, &last, &now));
+                self.shown = match before {
+                    Some(last) if self.is_within && hand.learns_mass => {
+                        self.shown.max(hand.shown_mass(params, &last, &now))
+                    }
+                    // The device may be lighter than its motion has shown.
+                    Some(_) if !self.is_within => S::ZERO,
+                    _ => self.shown,
+                };
                 if self.is_within {
                     hand.hidden(held, uneven).min(by_speed)
                 } else {
@@ -279,7 +352,8 @@ impl<S: Scalar> GuardMemory<S> {
         let by_speed = params.force_by_speed(free, pending, period);
         match (&params.hand, &self.last) {
             (Some(hand), Some(last)) if self.is_within => {
-                let by_acceleration = params.by_acceleration(hand, last, free, pending, period);
+                let hand = hand.of_at_least(self.shown);
+                let by_acceleration = params.by_acceleration(&hand, last, free, pending, period);
                 by_acceleration.map(|bound| not_negative(bound.max(by_speed)))
             }
             _ => [not_negative(by_speed); 2],
@@ -298,6 +372,11 @@ impl<S: Scalar> LastStep<S> {
             early: half + held.lead / elapsed,
         }
     }
+}
+
+/// Returns a change of the velocity, with the rounding of positions and times.
+fn with_rounding<S: Scalar>(change: S) -> S {
+    change * S::from_f64(1.0 + 1e-9) + S::from_f64(1e-12)
 }
 
 /// Returns the bound, or 0 if it is negative or NaN.
@@ -325,6 +404,11 @@ impl<S: Scalar> GuardParams<S> {
         let size = uneven.size.max(mean.abs() * elapsed);
         let most = self.largest_speed * size + mean * moved + mean.abs() * self.quantum;
         by_course.min(most.max(S::ZERO))
+    }
+
+    /// Returns the largest error of the difference of two mean velocities by the quantum `[m/s]`.
+    fn noise(&self, before: &LastStep<S>, now: &LastStep<S>) -> S {
+        self.quantum / before.elapsed + self.quantum / now.elapsed
     }
 
     /// Returns the largest force by the largest speed of the device, from a `free` energy `[J]`.
@@ -375,7 +459,7 @@ impl<S: Scalar> GuardParams<S> {
 impl<S: Scalar> HandBound<S> {
     /// Returns the largest energy that a `held` force with these bounds gave out beyond its port work `[J]`.
     fn hidden(&self, held: &Held<S>, uneven: &Uneven<S>) -> S {
-        self.acceleration * uneven.course
+        self.acceleration() * uneven.course
             + (-(held.mean * held.lead)).max(S::ZERO) / self.least_mass
     }
 
@@ -386,20 +470,46 @@ impl<S: Scalar> HandBound<S> {
         before: &LastStep<S>,
         now: &LastStep<S>,
     ) -> bool {
-        let most = S::HALF * self.acceleration * (before.elapsed + now.elapsed)
-            + params.quantum / before.elapsed
-            + params.quantum / now.elapsed;
-        // Rounding of positions and times.
-        let most = most * S::from_f64(1.0 + 1e-9) + S::from_f64(1e-12);
+        let by_hand = S::HALF * self.acceleration() * (before.elapsed + now.elapsed);
+        let most = with_rounding(by_hand + params.noise(before, now));
         let gained = now.velocity - before.velocity;
         let by_hand = gained + (before.late + now.early) / self.least_mass;
         gained.min(by_hand) > most || gained.max(by_hand) < -most
     }
 
+    /// Returns the bound for a device of at least this mass `[kg]`.
+    fn of_at_least(&self, mass: S) -> Self {
+        Self {
+            least_mass: self.least_mass.max(mass),
+            ..*self
+        }
+    }
+
+    /// Returns the least mass that two intervals within the bound show `[kg]`; 0 if they show none.
+    fn shown_mass(&self, params: &GuardParams<S>, before: &LastStep<S>, now: &LastStep<S>) -> S {
+        let half = S::HALF * (before.elapsed + now.elapsed);
+        let noise = params.noise(before, now);
+        let impulse = before.late + now.early;
+        let slowed = before.velocity - now.velocity;
+        let slowed = if impulse < S::ZERO { -slowed } else { slowed };
+        let (impulse, by_hand) = match self.limit {
+            HandLimit::Acceleration(most) => (impulse.abs(), most * half),
+            HandLimit::Force(most) => (impulse.abs() - most * half, S::ZERO),
+        };
+        let lost = slowed + with_rounding(by_hand + noise);
+        // A small impulse shows the rounding of the velocities.
+        let least = S::from_f64(0.1) * (self.acceleration() * half + noise) * self.least_mass;
+        if impulse > least && lost > S::ZERO {
+            S::from_f64(0.999) * impulse / lost
+        } else {
+            S::ZERO
+        }
+    }
+
     /// Returns the largest velocity against a force now `[m/s]`: b, from the mean velocity with the force and the
     /// weighted impulse `late` of the last interval.
     fn against(&self, velocity: S, late: S, elapsed: S, quantum: S) -> S {
-        quantum / elapsed + S::HALF * self.acceleration * elapsed - velocity
+        quantum / elapsed + S::HALF * self.acceleration() * elapsed - velocity
             + late.max(S::ZERO) / self.least_mass
     }
 
@@ -407,7 +517,7 @@ impl<S: Scalar> HandBound<S> {
     fn claim(&self, against: S, on_way: &Impulse<S>) -> S {
         let Impulse { impulse, moment } = *on_way;
         against * impulse
-            + self.acceleration * moment
+            + self.acceleration() * moment
             + S::HALF * impulse * impulse / self.least_mass
     }
 
@@ -415,7 +525,7 @@ impl<S: Scalar> HandBound<S> {
     /// its sign.
     fn largest_force(&self, against: S, impulse: S, room: S, pending: &Pending<S>, period: S) -> S {
         let square = S::HALF * period * period / self.least_mass;
-        let speed = against + self.acceleration * pending.own_at + impulse / self.least_mass;
+        let speed = against + self.acceleration() * pending.own_at + impulse / self.least_mass;
         let linear = period * speed;
         let root = (linear * linear + S::from_f64(4.0) * square * room).sqrt();
         if linear > S::ZERO {

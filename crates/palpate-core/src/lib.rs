@@ -71,7 +71,7 @@ pub use along_axis::AlongAxis;
 pub use contact::{Contact, LoopParams, Mass, Side};
 pub use difficulty::Difficulty;
 pub use energy::{Leak, Ledger};
-pub use guard::{Guard, GuardParams, HandBound};
+pub use guard::{Guard, GuardParams, HandBound, HandLimit};
 pub use motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
 pub use parameter::{
     Allowed, Parameter, ParameterError, ParameterName, ParameterValue, Range, Unit,

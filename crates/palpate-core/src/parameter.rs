@@ -34,6 +34,7 @@ pub enum Parameter {
     GuardSpeed,
     GuardAllowance,
     GuardAcceleration,
+    GuardHandForce,
     GuardMass,
     GuardQuantum,
     GuardRecovery,
@@ -94,6 +95,7 @@ impl ParameterName for Parameter {
             Self::GuardSpeed => "guard speed",
             Self::GuardAllowance => "guard allowance",
             Self::GuardAcceleration => "guard acceleration",
+            Self::GuardHandForce => "guard hand force",
             Self::GuardMass => "guard mass",
             Self::GuardQuantum => "guard quantum",
             Self::GuardRecovery => "guard recovery",
@@ -121,7 +123,7 @@ impl ParameterName for Parameter {
             | Self::AxisOrigin
             | Self::GuardQuantum => Unit::Metre,
             Self::ObjectVelocity | Self::SpeedLimit | Self::GuardSpeed => Unit::MetrePerSecond,
-            Self::VirtualForce | Self::ForceLimit => Unit::Newton,
+            Self::VirtualForce | Self::ForceLimit | Self::GuardHandForce => Unit::Newton,
             Self::SlewLimit => Unit::NewtonPerSecond,
             Self::Period
             | Self::LargestGap

@@ -32,6 +32,7 @@ use columns::{Kind, Wanted};
 use table::{Request, Text};
 
 const FORCE: &str = "force_on_device_n";
+const VIRTUAL_FORCE: &str = "virtual_force_n";
 
 /// Maximum number of characters of a field in an error.
 const LONGEST_FIELD: usize = 40;
@@ -66,7 +67,7 @@ impl Part {
     };
 }
 
-/// A trace with the force held during its recording.
+/// A trace with forces from each sample until the next.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldTrace {
     /// The motion.
@@ -74,6 +75,9 @@ pub struct HeldTrace {
     /// Force on the device from each sample until the next `[N]`, from the column `force_on_device_n`; `None` without
     /// that column.
     pub force_on_device_n: Option<Vec<f64>>,
+    /// Virtual force on the object from each sample until the next `[N]`, from the column `virtual_force_n`; `None`
+    /// without that column.
+    pub virtual_force_n: Option<Vec<f64>>,
     /// Notes on the text.
     pub notes: ReadNotes,
 }
@@ -121,15 +125,16 @@ pub fn read_part(
         is_needed: true,
     };
     let position = wanted(Kind::Length, "x", "position", "position_m");
-    let force = Wanted {
-        bare: vec![FORCE.to_owned()],
+    let force = |key: &str, name: &str| Wanted {
+        bare: vec![name.to_owned()],
         is_needed: false,
-        ..wanted(Kind::Force, "force", "", FORCE)
+        ..wanted(Kind::Force, key, "", name)
     };
+    let forces = [force("force", FORCE), force("virtual_force", VIRTUAL_FORCE)];
     let request = Request {
         part,
         layout,
-        wanted: &[position, force],
+        wanted: &[[position].as_slice(), &forces].concat(),
         needed: "`t_s` [s] and `position_m` [m]",
         check: &|_| None,
     };
@@ -154,6 +159,7 @@ pub fn read_part(
             t_s: samples.t_s,
         },
         force_on_device_n: samples.is_there[1].then(|| column(1)),
+        virtual_force_n: samples.is_there[2].then(|| column(width - 1)),
         notes: samples.notes,
     })
 }

@@ -13,7 +13,7 @@ use palpate_world::{
 use crate::created_energy::CreatedEnergy;
 use crate::fade::Fade;
 use crate::safety::{
-    Bounded, Observation, Rendered, Safety, SafetyError, SafetyParams, SafetyStop, check_value,
+    Bounded, Observation, Rendered, Safety, SafetyError, SafetyParams, SafetyStop,
 };
 
 /// Safety of each device of a world.
@@ -218,24 +218,6 @@ impl BoundedWorld {
         })
     }
 
-    /// Creates a world as [`new`](Self::new) for a caller that commands forces without slopes.
-    ///
-    /// # Errors
-    /// As for [`new`](Self::new); a line hold.
-    pub fn of_constants(
-        renderer: WorldRenderer,
-        limits: SafetyParams,
-    ) -> Result<Self, SafetyError> {
-        let hold = renderer.loop_params().actuation.hold;
-        check_value(
-            "order of the hold",
-            if hold.is_constant() { 0.0 } else { 1.0 },
-            hold.is_constant(),
-            "0, a constant: this interface returns forces without slopes; set loop.hold = \"constant\"",
-        )?;
-        Self::new(renderer, limits)
-    }
-
     /// Performs one tick: takes a sample of all tools and returns the wrench that each device must hold. It does not
     /// allocate, lock or block. The renderer's energy ledger contains the wrenches after all limits.
     pub fn step(&mut self, sample: &Sample<'_>) -> Held<'_> {
@@ -263,6 +245,9 @@ impl BoundedWorld {
                 [&mut wrench.force, &mut wrench.torque]
             });
             limited = limited.and(within);
+            for (tool, (wrench, slope)) in wrenches.iter().zip(&mut self.slopes).enumerate() {
+                limited.force |= self.renderer.keep_slope_within(tool, &wrench.force, slope);
+            }
         }
         let answered = Answered {
             elapsed: sample.elapsed,
@@ -329,11 +314,12 @@ impl BoundedWorld {
         &self.wrenches
     }
 
-    /// Replaces the wrench of the last sample by the one actually sent to a device, for example after saturation.
-    pub fn report_sent(&mut self, tool: usize, sent: Wrench) {
-        self.renderer.report_sent(&mut self.state, tool, sent.force);
-        self.renderer
-            .report_sent_torque(&mut self.state, tool, sent.torque);
+    /// Replaces the wrench of the last sample, and the slope of its force `[N/s]`, by those actually sent to a device,
+    /// for example after saturation.
+    pub fn report_sent(&mut self, tool: usize, sent: Wrench, slope: Vector) {
+        let (renderer, state) = (&self.renderer, &mut self.state);
+        renderer.report_sent_line(state, tool, sent.force, slope);
+        renderer.report_sent_torque(state, tool, sent.torque);
     }
 
     /// Replaces the world between two ticks, see [`WorldRenderer::changed`]: bodies, contacts and joints are added,

@@ -284,6 +284,7 @@ impl<D: Device> Driven<D> {
             commanded_force: self.verdict.wrench.force,
             commanded_torque: self.verdict.wrench.torque,
             delivered_force: self.delivered.wrench.force,
+            delivered_slope: self.delivered.slope,
             delivered_torque: self.delivered.wrench.torque,
             ..unknown
         }

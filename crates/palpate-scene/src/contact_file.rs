@@ -357,7 +357,7 @@ impl Reading<'_> {
         }
     }
 
-    /// Rejects limits of torque and turning, which one axis lacks, and bounds of an acceleration that is not given.
+    /// Rejects limits of torque and turning, which one axis lacks, and bounds of a hand that is not given.
     fn refuse_torque(&mut self, render: &RawRender) {
         let guard = render.guard.as_ref();
         let span = |value: &Option<Spanned<f64>>| value.as_ref().map(Spanned::span);
@@ -377,14 +377,33 @@ impl Reading<'_> {
                 of_guard(|guard| &guard.turning_acceleration_rad_per_s2),
             ),
             (
+                "render.guard.hand_torque_n_m",
+                of_guard(|guard| &guard.hand_torque_n_m),
+            ),
+            (
                 "render.guard.least_inertia_kg_m2",
                 of_guard(|guard| &guard.least_inertia_kg_m2),
             ),
         ];
         self.refuse(&keys, "needs a device of six axes, with inertia_kg_m2");
-        if let Some(guard) = guard.filter(|guard| guard.acceleration_m_per_s2.is_none()) {
-            let keys = [("render.guard.least_mass_kg", span(&guard.least_mass_kg))];
-            self.refuse(&keys, "needs acceleration_m_per_s2");
+        let hand = guard.map(|guard| (&guard.acceleration_m_per_s2, &guard.hand_force_n));
+        match hand {
+            Some((None, None)) => {
+                let learned = guard.and_then(|guard| guard.learn_mass.as_ref());
+                let keys = [
+                    (
+                        "render.guard.least_mass_kg",
+                        of_guard(|guard| &guard.least_mass_kg),
+                    ),
+                    ("render.guard.learn_mass", learned.map(Spanned::span)),
+                ];
+                self.refuse(&keys, "needs acceleration_m_per_s2 or hand_force_n");
+            }
+            Some((Some(_), force)) => {
+                let keys = [("render.guard.hand_force_n", span(force))];
+                self.refuse(&keys, "excludes acceleration_m_per_s2; remove one");
+            }
+            _ => {}
         }
     }
 

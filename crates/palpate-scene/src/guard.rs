@@ -1,6 +1,6 @@
 //! Modes of a guard, and its defaults.
 
-use palpate_core::{Guard, GuardParams, HandBound};
+use palpate_core::{Guard, GuardParams, HandBound, HandLimit};
 use serde::Deserialize;
 
 /// Action of a guard on a force beyond its bound.
@@ -38,9 +38,10 @@ impl GuardMode {
     /// Returns the guard of one contact with these bounds.
     #[must_use]
     pub fn guard(self, bounds: GuardBounds) -> Guard<f64> {
-        let hand = bounds.acceleration.map(|acceleration| HandBound {
-            acceleration,
+        let hand = hand_limit(bounds.acceleration, bounds.hand_force).map(|limit| HandBound {
+            limit,
             least_mass: bounds.least_mass.unwrap_or(OF_DEVICE),
+            learns_mass: bounds.learns_mass,
         });
         let usual = if hand.is_some() {
             HAND_GUARD_ALLOWANCE
@@ -71,18 +72,44 @@ pub struct GuardBounds {
     pub allowance: Option<f64>,
     /// Largest acceleration of the device by everything except the rendered force `[m/s^2]`. `None`: no bound.
     pub acceleration: Option<f64>,
+    /// Largest force on the device by everything except the rendered force `[N]`, instead of the acceleration.
+    pub hand_force: Option<f64>,
     /// Least mass of the device `[kg]`. `None`: half of its model mass.
     pub least_mass: Option<f64>,
+    /// Whether the motion may raise the least mass, with a bound of the hand.
+    pub learns_mass: bool,
     /// Power of the recovery `[W]`.
     pub recovery: Option<f64>,
 }
 
 impl GuardBounds {
-    /// Returns whether a least mass is given, which has an effect only with an acceleration.
+    /// Returns the conflict of the bounds of the hand, if any.
     #[must_use]
-    pub fn lacks_acceleration(&self) -> bool {
-        self.acceleration.is_none() && self.least_mass.is_some()
+    pub fn conflict(&self) -> Option<GuardConflict> {
+        match (self.acceleration, self.hand_force) {
+            (Some(_), Some(_)) => Some(GuardConflict::TwoLimits),
+            (None, None) if self.least_mass.is_some() || self.learns_mass => {
+                Some(GuardConflict::MassAlone)
+            }
+            _ => None,
+        }
     }
+}
+
+/// Conflict of the bounds of a hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GuardConflict {
+    /// An acceleration and a force of the hand.
+    TwoLimits,
+    /// A least mass, or one that is learned, without an acceleration or a force of the hand.
+    MassAlone,
+}
+
+/// Returns the limit of the hand, of which at most one is given.
+#[must_use]
+pub fn hand_limit(acceleration: Option<f64>, force: Option<f64>) -> Option<HandLimit<f64>> {
+    let by_force = force.map(HandLimit::Force);
+    acceleration.map(HandLimit::Acceleration).or(by_force)
 }
 
 /// Returns the guard with the quantum `[m]` of a device, and half of its model mass `[kg]` as least mass if no other

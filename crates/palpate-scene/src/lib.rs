@@ -52,14 +52,14 @@ pub use edit::Edit;
 pub use fault::in_plain_words;
 pub use fault::{SceneError, SceneErrors};
 pub use guard::{
-    GUARD_ALLOWANCE, GUARD_RECOVERY, GUARD_SPEED, GuardBounds, GuardMode, HAND_GUARD_ALLOWANCE,
-    guard_of_device,
+    GUARD_ALLOWANCE, GUARD_RECOVERY, GUARD_SPEED, GuardBounds, GuardConflict, GuardMode,
+    HAND_GUARD_ALLOWANCE, guard_of_device, hand_limit,
 };
 pub use hand::{Grip, Hand, Intention, Wave};
 pub use linkage::{HandForceAt, Linkage};
 pub use model::{Model, quantum_of};
 pub use parameter::SceneParameter;
-pub use period::period_question;
+pub use period::{lag_question, period_question};
 pub use scene_file::SceneFile;
 pub use source::Source;
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};

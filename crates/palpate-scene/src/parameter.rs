@@ -130,6 +130,7 @@ fn key_of_rendered(parameter: Parameter) -> &'static str {
         Parameter::GuardSpeed => "render.guard.speed_m_per_s",
         Parameter::GuardAllowance => "render.guard.allowance_j",
         Parameter::GuardAcceleration => "render.guard.acceleration_m_per_s2",
+        Parameter::GuardHandForce => "render.guard.hand_force_n",
         Parameter::GuardMass => "render.guard.least_mass_kg",
         Parameter::GuardRecovery => "render.guard.recovery_w",
         Parameter::DeviceMass => "device.mass_kg",

@@ -32,7 +32,10 @@ pub(crate) struct RawGuard {
     pub allowance_j: Option<Spanned<f64>>,
     pub acceleration_m_per_s2: Option<Spanned<f64>>,
     pub turning_acceleration_rad_per_s2: Option<Spanned<f64>>,
+    pub hand_force_n: Option<Spanned<f64>>,
+    pub hand_torque_n_m: Option<Spanned<f64>>,
     pub least_mass_kg: Option<Spanned<f64>>,
+    pub learn_mass: Option<Spanned<bool>>,
     pub least_inertia_kg_m2: Option<Spanned<f64>>,
     pub recovery_w: Option<Spanned<f64>>,
     pub late_samples: Option<Spanned<usize>>,
@@ -64,7 +67,9 @@ impl RawRender {
                 speed: bound(Parameter::GuardSpeed, guard.speed_m_per_s),
                 allowance: bound(Parameter::GuardAllowance, guard.allowance_j),
                 acceleration: bound(Parameter::GuardAcceleration, guard.acceleration_m_per_s2),
+                hand_force: bound(Parameter::GuardHandForce, guard.hand_force_n),
                 least_mass: bound(Parameter::GuardMass, guard.least_mass_kg),
+                learns_mass: guard.learn_mass.is_some_and(Spanned::into_inner),
                 recovery: bound(Parameter::GuardRecovery, guard.recovery_w),
             })
         });

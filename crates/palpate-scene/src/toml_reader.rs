@@ -279,7 +279,7 @@ impl<'t> Deserializer<'t> for Item<'t> {
 
     fn deserialize_enum<V: Visitor<'t>>(
         self,
-        _: &'static str,
+        name: &'static str,
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, ReadError> {
@@ -306,9 +306,17 @@ impl<'t> Deserializer<'t> for Item<'t> {
                 name: self,
                 content: None,
             }),
-            (_, What::Value(DeValue::Array(_))) => Err(de::Error::custom(
-                "there is a list, and exactly one string or table is expected",
-            )),
+            (_, What::Value(DeValue::Array(_))) => {
+                // The name of `RawShape`.
+                let instead = if name == "shape" {
+                    "; several shapes of a body are one mesh with a closed part for each, of a tool a mesh or spheres"
+                } else {
+                    ""
+                };
+                Err(de::Error::custom(format!(
+                    "there is a list, and exactly one string or table is expected{instead}"
+                )))
+            }
             _ => Err(de::Error::custom("wanted string or table")),
         };
         variant

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use palpate_core::{Contact, Guard, Hold, LoopParams, Mass, ObjectState, ParameterValue};
+use palpate_core::{
+    Contact, Guard, HandLimit, Hold, LoopParams, Mass, ObjectState, ParameterValue,
+};
 use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::pantograph::SafetyBox;
 
@@ -439,9 +441,15 @@ impl File {
             params.recovery
         );
         if let Some(hand) = params.hand {
-            table += &format!(", acceleration_m_per_s2 = {:?}", hand.acceleration);
+            table += &match hand.limit {
+                HandLimit::Acceleration(most) => format!(", acceleration_m_per_s2 = {most:?}"),
+                HandLimit::Force(most) => format!(", hand_force_n = {most:?}"),
+            };
             if hand.least_mass != OF_DEVICE {
                 table += &format!(", least_mass_kg = {:?}", hand.least_mass);
+            }
+            if hand.learns_mass {
+                table += ", learn_mass = true";
             }
         }
         self.line("guard", &format!("{{ {table} }}"));

@@ -260,7 +260,7 @@ fn almost_stable(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
     for (friction, at) in FRICTIONS.iter().zip(&swept) {
         for (column, swept) in columns.iter().zip(at) {
             let name = &column.name;
-            let ratio = swept.rebound_energy;
+            let ratio = swept.outcome.bounce.and_then(|it| it.rebound_energy);
             found.push(Found {
                 what: format!("{name}, friction × {friction}: largest rebound energy"),
                 value: ratio,
@@ -269,13 +269,13 @@ fn almost_stable(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
             });
             found.push(Found::of(
                 format!("{name}, friction × {friction}: peak of the force"),
-                swept.peak_force,
+                swept.outcome.peak_force,
                 "N",
             ));
         }
         found.push(Found::of(
             format!("ideal, friction × {friction}: peak of the force"),
-            at[0].ideal_peak_force,
+            at[0].outcome.ideal_peak_force,
             "N",
         ));
     }

@@ -1,29 +1,29 @@
 //! Comparison of many scenes and methods in one table.
 
-use std::fmt;
+mod text;
+mod world;
 
 use crate::map::bounds::least_explicit_mass;
 use crate::sim::integrated::Integrator;
 use crate::sim::run::{Reference, Run};
-use comfy_table::{Cell, CellAlignment};
 use palpate_scene::method::MethodName;
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::report::{MethodReport, Report, Subject};
 use crate::seeded::Seeded;
-use crate::text::{
-    ABSOLUTE_LEAK, E, FRE, WIDTH, digits, legend, lines, percent, plain_table, within, wrapped,
-};
+use crate::world::SettingReport;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate compare 1";
 
 /// Columns of the table as CSV.
-pub const COLUMNS: [&str; 15] = [
+pub const COLUMNS: [&str; 21] = [
     "scene",
     "title",
     "method",
+    "tuned",
+    "period_s",
     "kappa",
     "hold_bound_percent",
     "mean_force_error_percent",
@@ -31,10 +31,14 @@ pub const COLUMNS: [&str; 15] = [
     "error_over_bound",
     "peak_over_ideal",
     "absolute_leak_held_j",
+    "leak_j",
     "diverged",
     "left_box_at_s",
     "jammed_at_s",
     "refused_samples",
+    "damping_n_s_per_m",
+    "coupling_stiffness_n_per_m",
+    "coupling_mass_kg",
     "cannot",
 ];
 
@@ -64,14 +68,25 @@ pub struct SceneRows {
     /// Difficulty, loop and hold bound as one line, for a terminal.
     #[serde(skip)]
     conditions: String,
-    /// K T²/m.
+    /// Whether it is a world.
+    #[serde(skip)]
+    pub is_world: bool,
+    /// Sampling period `[s]`.
+    pub period_s: f64,
+    /// Length of the evaluated window `[s]`.
+    pub window_s: f64,
+    /// K T²/m; none in a world.
     pub kappa: Option<f64>,
     /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
     pub hold_bound_percent: Option<f64>,
     /// Strongest force of the ideal `[N]`.
     pub ideal_peak_force_n: Option<f64>,
-    /// Error of the ideal's impulses relative to the largest; 0 if it is exact.
-    pub ideal_error: f64,
+    /// Error of the ideal's impulses relative to the largest; 0 if it is exact. One contact only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ideal_error: Option<f64>,
+    /// Mean-force error between the ideal and the ideal with coarser steps `[%]`; worlds only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ideal_error_percent: Option<f64>,
     /// One entry for each method, then for each integrator of the object if they are compared.
     pub methods: Vec<MethodRow>,
     /// Least mass of the object that an explicit integrator moves passively, K T²/4 `[kg]`; only if integrators are
@@ -97,7 +112,7 @@ pub struct MethodRow {
     remarks: String,
 }
 
-/// Result of a method, or the reason why it cannot be set up.
+/// Result of a method, or the reason for its absence.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 #[serde(untagged)]
@@ -109,14 +124,27 @@ pub enum Outcome {
         /// Reason.
         cannot: String,
     },
+    /// None of the tried settings is usable.
+    NoneFound {
+        /// Description of the least bad setting.
+        none_found: String,
+    },
 }
 
 /// Results of a method on a scene.
 #[derive(Debug, Serialize)]
 #[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Figures {
-    /// Parameters by key, with the unit at the end of the key.
-    pub parameters: serde_json::Map<String, Value>,
+    /// Parameters by key, with the unit at the end of the key; one contact only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<serde_json::Map<String, Value>>,
+    /// Number of tried settings; the shown one has the lowest E, selected with knowledge of the ideal. None if the
+    /// scene states the settings or there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tuned: Option<usize>,
+    /// Settings of the method, under the keys of scene files; worlds only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settings: Option<SettingReport>,
     /// Mean-force error E `[%]`; none without contact.
     pub mean_force_error_percent: Option<f64>,
     /// FRE `[%]`; none without contact.
@@ -125,8 +153,13 @@ pub struct Figures {
     pub error_over_bound: Option<f64>,
     /// Peak force over that of the ideal.
     pub peak_over_ideal: Option<f64>,
-    /// Sum of the absolute leaks of the held force `[J]`.
-    pub absolute_leak_held_j: f64,
+    /// Sum of the absolute leaks of the held force `[J]`; one contact only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absolute_leak_held_j: Option<f64>,
+    /// Generated energy of the held forces `[J]`: the total energy gain of hands, bodies, contacts and dissipation;
+    /// worlds only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub leak_j: Option<f64>,
     /// Whether the loop diverged.
     pub diverged: Option<bool>,
     /// Time at which the device left its safety box `[s]`.
@@ -135,6 +168,10 @@ pub struct Figures {
     pub jammed_at_s: Option<f64>,
     /// Number of samples that the renderer rejected.
     pub refused_samples: usize,
+    /// Whether the run stayed bounded, inside the safety box and off the end stops of the mechanism; in a world, also
+    /// without rejected samples.
+    #[serde(skip)]
+    pub is_whole: bool,
 }
 
 impl Comparison {
@@ -146,11 +183,6 @@ impl Comparison {
             scenes,
             files: Vec::new(),
         }
-    }
-
-    /// Adds a written file.
-    pub fn wrote(&mut self, path: &std::path::Path) {
-        self.files.push(path.display().to_string());
     }
 
     /// Returns the rows of the table in the order of [`COLUMNS`]; missing values are empty.
@@ -188,10 +220,14 @@ impl SceneRows {
             scene,
             conditions: report.in_short(),
             title: report.title,
+            is_world: false,
+            period_s: report.period_s,
+            window_s: report.window_s,
             kappa: report.kappa,
             hold_bound_percent: report.hold_bound_percent,
             ideal_peak_force_n: (peak > 0.0).then_some(peak),
-            ideal_error: report.ideal_error,
+            ideal_error: Some(report.ideal_error),
+            ideal_error_percent: None,
             methods,
             least_explicit_mass_kg: None,
             seeded: None,
@@ -221,7 +257,7 @@ impl SceneRows {
         self.methods
             .iter()
             .filter_map(|method| match &method.result {
-                Outcome::Ran(run) if run.is_whole() => run.mean_force_error_percent,
+                Outcome::Ran(run) if run.is_whole => run.mean_force_error_percent,
                 _ => None,
             })
             .min_by(f64::total_cmp)
@@ -233,21 +269,33 @@ impl SceneRows {
         row[0].clone_from(&self.scene);
         row[1].clone_from(&self.title);
         row[2] = method.method.into();
-        row[3] = text(self.kappa);
-        row[4] = text(self.hold_bound_percent);
+        row[4] = self.period_s.to_string();
+        row[5] = text(self.kappa);
+        row[6] = text(self.hold_bound_percent);
         match &method.result {
             Outcome::Ran(run) => {
-                row[5] = text(run.mean_force_error_percent);
-                row[6] = text(run.force_rendering_error_percent);
-                row[7] = text(run.error_over_bound);
-                row[8] = text(run.peak_over_ideal);
-                row[9] = run.absolute_leak_held_j.to_string();
-                row[10] = run.diverged.map_or_else(String::new, |it| it.to_string());
-                row[11] = text(run.left_box_at_s);
-                row[12] = text(run.jammed_at_s);
-                row[13] = run.refused_samples.to_string();
+                let setting = |key: &str| match (&run.settings, &run.parameters) {
+                    (Some(settings), _) => settings.values().find(|it| it.0 == key).map(|it| it.1),
+                    (None, parameters) => parameters.as_ref()?.get(key)?.as_f64(),
+                };
+                row[3] = text(run.tuned.map(|count| count as f64));
+                row[7] = text(run.mean_force_error_percent);
+                row[8] = text(run.force_rendering_error_percent);
+                row[9] = text(run.error_over_bound);
+                row[10] = text(run.peak_over_ideal);
+                row[11] = text(run.absolute_leak_held_j);
+                row[12] = text(run.leak_j);
+                row[13] = run.diverged.map_or_else(String::new, |it| it.to_string());
+                row[14] = text(run.left_box_at_s);
+                row[15] = text(run.jammed_at_s);
+                row[16] = run.refused_samples.to_string();
+                for (place, key) in (17..20).zip(&COLUMNS[17..20]) {
+                    row[place] = text(setting(key));
+                }
             }
-            Outcome::Cannot { cannot } => row[14].clone_from(cannot),
+            Outcome::Cannot { cannot: why } | Outcome::NoneFound { none_found: why } => {
+                row[20].clone_from(why);
+            }
         }
         row
     }
@@ -286,122 +334,22 @@ impl MethodRow {
 impl Figures {
     fn new(report: MethodReport, ideal_peak: f64) -> Self {
         Self {
-            parameters: report.parameters,
+            parameters: Some(report.parameters),
+            tuned: None,
+            settings: None,
             mean_force_error_percent: report.mean_force_error_percent,
             force_rendering_error_percent: report.force_rendering_error_percent,
             error_over_bound: report.error_over_bound,
             peak_over_ideal: (ideal_peak > 0.0).then_some(report.peak_force_n / ideal_peak),
-            absolute_leak_held_j: report.absolute_leak_held_j,
+            absolute_leak_held_j: Some(report.absolute_leak_held_j),
+            leak_j: None,
             diverged: report.diverged,
             left_box_at_s: report.left_box_at_s,
             jammed_at_s: report.jammed_at_s,
             refused_samples: report.faults,
+            is_whole: report.diverged != Some(true)
+                && report.left_box_at_s.is_none()
+                && report.jammed_at_s.is_none(),
         }
-    }
-
-    /// Whether the run stayed bounded, inside the safety box and off the end stops of the mechanism.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
-        self.diverged != Some(true) && self.left_box_at_s.is_none() && self.jammed_at_s.is_none()
-    }
-}
-
-/// Formats text below the line of a method, in the column of its name.
-fn below(words: &str) -> String {
-    const BLANKS: &str = "     ";
-    let lines = within(words, WIDTH - BLANKS.len());
-    format!("{BLANKS}{}", lines.join(&format!("\n{BLANKS}")))
-}
-
-/// Markers before the name of a method that did not stay bounded, and of the method with the lowest error.
-const BROKEN: &str = "!";
-const LEAST: &str = "*";
-
-impl fmt::Display for Comparison {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let header = [
-            "",
-            "method",
-            "E %",
-            "FRE %",
-            "FRE/bound",
-            "peak/ideal",
-            "|leak| mJ",
-        ];
-        let mut table = plain_table(CellAlignment::Left, &header);
-        for scene in &self.scenes {
-            let least = scene.least();
-            for method in &scene.methods {
-                let (mark, cells) = match &method.result {
-                    Outcome::Cannot { .. } => ("-", vec![None; 5]),
-                    Outcome::Ran(run) => {
-                        let mark = if !run.is_whole() {
-                            BROKEN
-                        } else if least.is_some() && run.mean_force_error_percent == least {
-                            LEAST
-                        } else {
-                            ""
-                        };
-                        let cells = vec![
-                            run.mean_force_error_percent.map(percent),
-                            run.force_rendering_error_percent.map(percent),
-                            run.error_over_bound.map(digits),
-                            run.peak_over_ideal.map(digits),
-                            Some(digits(1e3 * run.absolute_leak_held_j)),
-                        ];
-                        (mark, cells)
-                    }
-                };
-                let mut row = vec![Cell::new(mark), Cell::new(method.method)];
-                row.extend(cells.into_iter().map(|cell| {
-                    Cell::new(cell.unwrap_or_else(|| "-".into()))
-                        .set_alignment(CellAlignment::Right)
-                }));
-                table.add_row(row);
-            }
-        }
-        let text = lines(&table);
-        let mut text = text.lines();
-        for line in text.by_ref().take(2) {
-            writeln!(f, "{line}")?;
-        }
-        for scene in &self.scenes {
-            writeln!(f, "\n{}\n  {}", wrapped(&scene.title), scene.conditions)?;
-            for (line, method) in text.by_ref().take(scene.methods.len()).zip(&scene.methods) {
-                let remarks = &method.remarks;
-                if remarks.is_empty() {
-                    writeln!(f, "{line}")?;
-                } else if line.chars().count() + 2 + remarks.chars().count() <= WIDTH {
-                    writeln!(f, "{line}  {remarks}")?;
-                } else {
-                    writeln!(f, "{line}\n{}", below(remarks))?;
-                }
-                if let Outcome::Cannot { cannot } = &method.result {
-                    writeln!(f, "{}", below(&format!("cannot be set up: {cannot}")))?;
-                }
-            }
-            if let Some(least) = scene.least_explicit_mass_kg {
-                let words = format!(
-                    "exact to implicit: the sampled spring, with an object that this integrator moves. An explicit one is \
-                     passive from K T²/4 = {} kg (Brown-Colgate).",
-                    digits(least)
-                );
-                writeln!(f, "{}", below(&words))?;
-            }
-            if let Some(seeded) = &scene.seeded {
-                write!(f, "\n{seeded}")?;
-            }
-        }
-        let marks = format!(
-            "{LEAST} least E of the bounded runs, {BROKEN} diverged, left the safety box or jammed."
-        );
-        writeln!(f, "\n{}", wrapped(&marks))?;
-        writeln!(f, "{}", legend(&[E, FRE, ABSOLUTE_LEAK]))?;
-        let settings = "A method without a setting in the scene uses its default; --json lists every parameter.";
-        writeln!(f, "{}", wrapped(settings))?;
-        for file in &self.files {
-            writeln!(f, "wrote {file}")?;
-        }
-        Ok(())
     }
 }

@@ -6,7 +6,7 @@
 //!
 //! [`sim`] runs a scene in closed loop, on recorded motion or in a recorded hand; [`device_loop`] runs a loop on a
 //! device. Each study takes scenes ([`palpate_scene`]) and methods, runs them on the bench of [`sim`], and returns
-//! the numbers. [`tune`] varies a method's damping, [`heights`] the start height, and [`sweep`] one quantity of a
+//! the numbers; a study takes scenes of both renderers ([`studied`]). [`tune`] varies a method's damping, [`heights`] the start height, and [`sweep`] one quantity of a
 //! scene. [`suite`] evaluates methods on random plants. [`map`] computes which contacts can be rendered, and
 //! [`advise`] whether one device can render one contact, and [`impedance`] what a hand
 //! feels in it. [`claims`] checks the numbers of the paper. [`calibrate`]
@@ -39,6 +39,7 @@ mod schemas;
 pub mod seeded;
 pub mod sim;
 pub mod spread;
+pub mod studied;
 pub mod suite;
 pub mod sweep;
 pub mod table;

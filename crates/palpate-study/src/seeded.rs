@@ -5,16 +5,12 @@
 use std::fmt;
 
 use comfy_table::{Cell, CellAlignment};
-use palpate_scene::Scene;
-use palpate_scene::method::MethodName;
-use palpate_scene::world::WorldScene;
 use serde::Serialize;
 
-use crate::sim::closed_loop::{Bench, LoopError};
-use crate::sim::world::WorldBenchError;
 use crate::spread::{Spread, quantile};
+use crate::studied::{Outcome, Studied, StudyError};
 use crate::suite::Chance;
-use crate::sweep::{SweptWorld, at_each};
+use crate::sweep::at_each;
 use crate::text::{lines, percent, plain_table, wrapped};
 
 /// Confidence of the intervals `[%]`.
@@ -23,9 +19,7 @@ pub const CONFIDENCE_PERCENT: f64 = 95.0;
 /// Number of resamples of the bootstrap.
 const RESAMPLES: usize = 4000;
 
-/// Stream of the random start of a seed, beside the streams of plants.
-const STARTS: u64 = u64::MAX;
-/// Stream of the resamples.
+/// Stream of the resamples, beside the streams of plants and starts.
 const BOOTSTRAP: u64 = u64::MAX - 1;
 
 /// Errors of a method with one seed.
@@ -223,38 +217,23 @@ impl fmt::Display for Seeded {
     }
 }
 
-/// Returns the scores of built-in methods on a scene; `None` where the ideal has no contact.
+/// Returns the scores of columns on a scene; `None` where the ideal has no contact.
 ///
 /// # Errors
-/// The scene or a method cannot be run.
-pub fn scores(scene: &Scene, methods: &[MethodName]) -> Result<Vec<Option<SeedScore>>, LoopError> {
-    let bench = Bench::new(scene)?;
-    let of = |method: &MethodName| {
-        let run = bench.run(*method)?;
-        Ok(run.force.fidelity.map(|fidelity| SeedScore {
+/// The scene or a column cannot be run.
+pub fn scores<S: Studied>(
+    scene: &S,
+    columns: &[S::Column],
+) -> Result<Vec<Option<SeedScore>>, StudyError> {
+    let score = |outcomes: &Vec<Outcome>| {
+        let outcome = &outcomes[0];
+        outcome.fidelity.map(|fidelity| SeedScore {
             mean_force_error: fidelity.mean_force_error,
             force_rendering_error: fidelity.force_rendering_error,
-            broken: run.diverged == Some(true) || run.faults() > 0,
-        }))
+            broken: outcome.diverged || outcome.refused > 0,
+        })
     };
-    methods.iter().map(of).collect()
-}
-
-/// Returns the scores of methods on a world; `None` where the ideal touches no tool.
-///
-/// # Errors
-/// The world has no ideal, or a method cannot render it.
-pub fn scores_of_world(
-    world: &WorldScene,
-    methods: &[&str],
-) -> Result<Vec<Option<SeedScore>>, WorldBenchError> {
-    let found = SweptWorld::of(world, methods)?.into_iter();
-    let score = |swept: SweptWorld| SeedScore {
-        mean_force_error: swept.own.mean_force_error,
-        force_rendering_error: swept.own.force_rendering_error,
-        broken: swept.refused > 0 || !swept.own.mean_force_error.is_finite(),
-    };
-    Ok(found.map(|swept| swept.map(score)).collect())
+    Ok(scene.evaluate(columns)?.iter().map(score).collect())
 }
 
 /// Evaluates `score` for each seed on the threads of rayon. Calls `done` after each.
@@ -268,45 +247,6 @@ pub fn over_seeds<R: Send, E: Send>(
 ) -> Result<Vec<R>, E> {
     let seeds: Vec<u64> = seeds.collect();
     at_each(&seeds, done, |seed| score(*seed))
-}
-
-/// Returns the scene with a seed. `range` `[m]` changes the gap between device and object at the start by up to that
-/// much, uniformly; the random values of the loop are those of the seed in any case.
-#[must_use]
-pub fn with_seed(scene: &Scene, seed: u64, range: Option<f64>) -> Scene {
-    let mut scene = scene.clone();
-    scene.timing.seed = seed;
-    if let Some(range) = range {
-        scene.object.position += Chance::new(seed, STARTS).between(-range, range);
-    }
-    scene
-}
-
-/// Returns the world with a seed. `range` `[m]` changes the start of every device by up to that much along each of its
-/// axes, uniformly; the random values of the loop are those of the seed in any case.
-#[must_use]
-pub fn world_with_seed(world: &WorldScene, seed: u64, range: Option<f64>) -> WorldScene {
-    let mut world = world.clone();
-    world.timing.imperfections.seed = seed;
-    let Some(range) = range else {
-        return world;
-    };
-    let mut chance = Chance::new(seed, STARTS);
-    for device in &mut world.devices {
-        let own = device
-            .own_axes
-            .unwrap_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-        for (axis, mass) in own.into_iter().zip(device.mass) {
-            let shift = chance.between(-range, range);
-            // The mass is infinite along an axis that the device lacks.
-            if mass.is_finite() {
-                for (place, part) in device.position.iter_mut().zip(axis) {
-                    *place += shift * part;
-                }
-            }
-        }
-    }
-    world
 }
 
 #[cfg(test)]

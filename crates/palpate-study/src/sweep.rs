@@ -2,23 +2,26 @@
 
 pub mod report;
 pub mod table;
-mod world;
 
+use palpate_core::Mass;
 use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::pantograph::SafetyBox;
 use rayon::prelude::*;
 
-use crate::sim::closed_loop::{Bench, LoopError};
 use crate::sim::run::Run;
+use crate::studied::{Bounce, Compared, Outcome, Studied, StudyError};
 use crate::suite::Column;
-use crate::tune::{HEIGHTS, Spread, at_height, spread, tunable};
+use crate::tune::{Spread, spread, tunable};
 use palpate_scene::method::{SettingKey, Settings};
 use palpate_scene::{Scene, SceneDevice};
-pub use world::{SweptWorld, WorldSweepError, sweep_worlds};
 
 /// The varied quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
+    /// Stiffness of every contact, as a factor on the scene's.
+    Stiffness,
+    /// Mass and inertia of every body that moves, as a factor on the scene's; forces stay.
+    Mass,
     /// Viscous and Coulomb friction of the device, as a factor on the scene's.
     Friction,
     /// The safety box of a pantograph along y, from minus to plus the value `[m]` about home.
@@ -29,12 +32,20 @@ pub enum Quantity {
 
 impl Quantity {
     /// All quantities.
-    pub const ALL: [Self; 3] = [Self::Friction, Self::SafetyBox, Self::Damping];
+    pub const ALL: [Self; 5] = [
+        Self::Stiffness,
+        Self::Mass,
+        Self::Friction,
+        Self::SafetyBox,
+        Self::Damping,
+    ];
 
     /// Returns the name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Stiffness => "stiffness",
+            Self::Mass => "mass",
             Self::Friction => "friction",
             Self::SafetyBox => "box",
             Self::Damping => "damping",
@@ -45,10 +56,31 @@ impl Quantity {
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
-            Self::Friction => "",
+            Self::Stiffness | Self::Mass | Self::Friction => "",
             Self::SafetyBox => "m",
             Self::Damping => "N s/m",
         }
+    }
+
+    /// Checks a value.
+    pub(crate) fn check(self, value: f64) -> Result<(), SweepError> {
+        let (allowed, least) = match self {
+            Self::Stiffness | Self::Mass => (
+                "finite and above 0, a factor on the scene's",
+                f64::MIN_POSITIVE,
+            ),
+            Self::Friction => ("finite and not below 0, a factor on the scene's", 0.0),
+            Self::SafetyBox => ("finite and above 0 m", f64::MIN_POSITIVE),
+            Self::Damping => ("finite and not below 0 N s/m", 0.0),
+        };
+        if value.is_finite() && value >= least {
+            return Ok(());
+        }
+        Err(SweepError::Value {
+            name: self.name(),
+            value,
+            allowed,
+        })
     }
 }
 
@@ -72,6 +104,15 @@ pub enum Stability {
 }
 
 impl Stability {
+    pub(crate) fn new(diverged: bool, rebound_energy: Option<f64>) -> Self {
+        match rebound_energy {
+            _ if diverged => Self::Diverged,
+            Some(ratio) if ratio <= STABLE_UP_TO => Self::Stable,
+            Some(ratio) if ratio <= ALMOST_STABLE_UP_TO => Self::AlmostStable,
+            _ => Self::Unstable,
+        }
+    }
+
     /// Returns the name.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -89,20 +130,10 @@ impl Stability {
 pub struct Swept {
     /// Errors at the scene's own start height.
     pub own: Fidelity,
+    /// Result at the scene's own start height.
+    pub outcome: Outcome,
     /// Results over the start heights, if requested.
     pub over_heights: Option<SweptHeights>,
-    /// Strongest held force at the scene's own height `[N]`.
-    pub peak_force: f64,
-    /// Strongest force of the ideal `[N]`.
-    pub ideal_peak_force: f64,
-    /// Largest rebound energy relative to the ideal's first rebound; `None` without a rebound.
-    pub rebound_energy: Option<f64>,
-    /// Sum of the absolute leaks of the held force `[J]`.
-    pub leak: f64,
-    /// Time at which the device left its safety box `[s]`.
-    pub left_box_at: Option<f64>,
-    /// Class of the bounce.
-    pub stability: Stability,
 }
 
 /// Results of a column at a value over all start heights.
@@ -110,10 +141,9 @@ pub struct Swept {
 pub struct SweptHeights {
     /// Force rendering error FRE `[%]`.
     pub force_rendering_error: Spread,
-    /// Heights from which the device left its safety box.
-    pub left_box: usize,
-    /// Heights from which the bounce was stable or almost stable.
-    pub almost_stable: usize,
+    /// Of one contact: numbers of heights from which the device left its safety box, and from which the bounce was
+    /// stable or almost stable.
+    pub left_box_and_stable: Option<[usize; 2]>,
 }
 
 /// Reason why a quantity cannot be varied.
@@ -139,80 +169,95 @@ pub enum SweepError {
         /// Allowed values.
         allowed: &'static str,
     },
-    /// The ideal has no contact, so there is no error.
-    #[error("the ideal has no contact in the window, so there is no error")]
-    NoContact,
-    /// The scene cannot be run at a value.
-    #[error("at {name} {value}: {error}")]
+    /// The scene cannot be evaluated at a value.
+    #[error("at {at}: {error}")]
     Scene {
-        /// Name of the quantity, or key of the scene.
-        name: String,
-        /// The value.
-        value: f64,
+        /// The quantities or keys with their values.
+        at: String,
         /// Cause of the error.
-        error: LoopError,
+        error: StudyError,
     },
 }
 
-/// Runs every column at each of `values` of a quantity of `scene`; returns, per value, the results in the order of
-/// `columns`. A column uses the scene's value of every unset setting. `over_heights` adds the 21 start heights. Calls
-/// `done` after each value.
+impl SweepError {
+    pub(crate) const NO_FRICTION: Self =
+        Self::Nothing("the scene's device has no friction to multiply");
+    pub(crate) const NO_MASS: Self = Self::Nothing("the scene has no body that moves");
+    pub(crate) const NO_BOX: Self =
+        Self::Nothing("only a device of kind pantograph has a safety box");
+}
+
+/// A scene and columns at one or more values.
+#[derive(Clone, Debug)]
+pub struct Point<S: Studied> {
+    /// The values, in messages: `body.0.mass_kg 0.2`.
+    pub at: String,
+    /// The scene.
+    pub scene: S,
+    /// The columns.
+    pub columns: Vec<S::Column>,
+}
+
+impl<S: Studied> Point<S> {
+    /// Returns the point with another value of a quantity.
+    ///
+    /// # Errors
+    /// The scene lacks the quantity, or the value is not allowed.
+    pub fn with(self, quantity: Quantity, value: f64) -> Result<Self, SweepError> {
+        let (scene, columns) = self.scene.at(&self.columns, quantity, value)?;
+        Ok(Self {
+            scene,
+            columns,
+            ..self
+        })
+    }
+}
+
+/// Runs every column at each of `values` of a quantity of `scene`, as [`sweep_points`] does.
 ///
 /// # Errors
 /// The scene lacks the quantity, a value is not allowed, or a scene cannot be run or has no contact.
-pub fn sweep(
-    scene: &Scene,
+pub fn sweep<S: Studied>(
+    scene: &S,
     quantity: Quantity,
     values: &[f64],
-    columns: &[Column],
+    columns: &[S::Column],
     over_heights: bool,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Vec<Swept>>, SweepError> {
-    if quantity == Quantity::Damping
-        && let Some(column) = columns
-            .iter()
-            .find(|column| tunable(column.method).is_none())
-    {
-        return Err(SweepError::NoDamping(column.name.clone()));
-    }
-    check_choice(scene, columns)?;
-    at_each(values, done, |&value| {
-        let varied = with(scene, quantity, value)?;
-        let columns: Vec<Column> = columns
-            .iter()
-            .map(|column| match quantity {
-                Quantity::Damping => with_damping(column, value),
-                _ => column.clone(),
-            })
-            .collect();
-        at_value(&varied, (quantity.name(), value), &columns, over_heights)
-    })
+    let point = |&value: &f64| {
+        let point = Point {
+            at: format!("{} {value}", quantity.name()),
+            scene: scene.clone(),
+            columns: columns.to_vec(),
+        };
+        point.with(quantity, value)
+    };
+    let points: Vec<_> = values.iter().map(point).collect::<Result<_, _>>()?;
+    sweep_points(&points, over_heights, done)
 }
 
-/// Runs every column on scenes that differ in the value of one key; returns the results as [`sweep`] does.
+/// Runs every column at each of `points`; returns, per point, the results in the order of its columns. A column uses
+/// the scene's value of every unset setting. `over_heights` adds the 21 start heights. Calls `done` after each point.
 ///
 /// # Errors
-/// A scene cannot be run or has no contact.
-pub fn sweep_scenes(
-    key: &str,
-    scenes: &[(f64, Scene)],
-    columns: &[Column],
+/// A scene cannot be run or has no contact, or a column has several dampings.
+pub fn sweep_points<S: Studied>(
+    points: &[Point<S>],
     over_heights: bool,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Vec<Swept>>, SweepError> {
-    for (_, scene) in scenes {
-        check_choice(scene, columns)?;
+    for point in points {
+        check_choice(&point.scene, &point.columns)?;
     }
-    at_each(scenes, done, |(value, scene)| {
-        at_value(scene, (key, *value), columns, over_heights)
-    })
+    at_each(points, done, |point| at_point(point, over_heights))
 }
 
 /// Rejects a column with several dampings on the scene.
-fn check_choice(scene: &Scene, columns: &[Column]) -> Result<(), SweepError> {
-    let mut columns = columns.iter();
-    match columns.find(|column| column.candidates(scene).len() > 1) {
-        Some(column) => Err(SweepError::Choice(column.name.clone())),
+fn check_choice<S: Studied>(scene: &S, columns: &[S::Column]) -> Result<(), SweepError> {
+    let mut choices = scene.choices(columns).into_iter().zip(columns);
+    match choices.find(|(choice, _)| choice.len() > 1) {
+        Some((_, column)) => Err(SweepError::Choice(column.name().into())),
         None => Ok(()),
     }
 }
@@ -235,85 +280,54 @@ pub(crate) fn at_each<V: Sync, R: Send, E: Send>(
         .collect()
 }
 
-fn at_value(
-    varied: &Scene,
-    value: (&str, f64),
-    columns: &[Column],
+fn at_point<S: Studied>(
+    Point { at, scene, columns }: &Point<S>,
     over_heights: bool,
 ) -> Result<Vec<Swept>, SweepError> {
-    let own = at_height_of(varied, value, columns)?;
-    if !over_heights {
-        return Ok(own);
-    }
-    // The heights run sequentially, because the values run in parallel.
-    let mut heights: Vec<Vec<Swept>> = vec![Vec::with_capacity(HEIGHTS); columns.len()];
-    for height in 0..HEIGHTS {
-        let at = at_height_of(&at_height(varied, height), value, columns)?;
-        for (column, swept) in heights.iter_mut().zip(at) {
-            column.push(swept);
-        }
-    }
-    Ok(own
-        .into_iter()
-        .zip(&heights)
-        .map(|(swept, heights)| Swept {
-            over_heights: Some(SweptHeights::new(heights)),
-            ..swept
-        })
-        .collect())
-}
-
-fn at_height_of(
-    scene: &Scene,
-    (name, value): (&str, f64),
-    columns: &[Column],
-) -> Result<Vec<Swept>, SweepError> {
-    let wrong = |error| SweepError::Scene {
-        name: name.into(),
-        value,
-        error,
+    let evaluated = |scene: &S| -> Result<Vec<(Fidelity, Outcome)>, StudyError> {
+        let of = |outcomes: Vec<Outcome>| Ok((outcomes[0].fidelity()?, outcomes[0]));
+        scene.evaluate(columns)?.into_iter().map(of).collect()
     };
-    let bench = Bench::new(scene).map_err(wrong)?;
-    let curve = &bench.reference().curve;
-    let ideal_peak_force = curve
-        .iter()
-        .map(|point| point.force_on_object.abs())
-        .fold(0.0, f64::max);
-    columns
-        .iter()
-        .map(|column| {
-            let (_, varied) = column.candidates(scene).swap_remove(0);
-            let run = bench.run_varied(&varied, column.method).map_err(wrong)?;
-            Swept::new(&run, ideal_peak_force)
-        })
-        .collect()
-}
-
-impl Swept {
-    fn new(run: &Run, ideal_peak_force: f64) -> Result<Self, SweepError> {
-        let rebound_energy = largest_rebound_energy(run);
-        Ok(Self {
-            own: run.force.fidelity.ok_or(SweepError::NoContact)?,
-            over_heights: None,
-            peak_force: run.force.peak_force,
-            ideal_peak_force,
-            rebound_energy,
-            leak: run.last().ledger.held_leak.absolute,
-            left_box_at: run.left_box_at,
-            stability: stability(run.diverged == Some(true), rebound_energy),
-        })
-    }
+    let own_and_heights = || {
+        let own = evaluated(scene)?;
+        // The heights run sequentially, because the points run in parallel.
+        let heights: Option<Vec<_>> = if over_heights {
+            let scenes = scene.start_heights()?;
+            Some(scenes.iter().map(evaluated).collect::<Result<_, _>>()?)
+        } else {
+            None
+        };
+        Ok((own, heights))
+    };
+    let (own, heights) = own_and_heights().map_err(|error| SweepError::Scene {
+        at: at.clone(),
+        error,
+    })?;
+    let swept = |(column, (own, outcome))| Swept {
+        own,
+        outcome,
+        over_heights: heights.as_ref().map(|heights| {
+            SweptHeights::new(&heights.iter().map(|at| at[column]).collect::<Vec<_>>())
+        }),
+    };
+    Ok(own.into_iter().enumerate().map(swept).collect())
 }
 
 impl SweptHeights {
-    fn new(heights: &[Swept]) -> Self {
-        let count = |of: fn(&Swept) -> bool| heights.iter().filter(|swept| of(swept)).count();
+    fn new(heights: &[(Fidelity, Outcome)]) -> Self {
+        let errors = heights.iter().map(|(own, _)| own.force_rendering_error);
+        let bounces: Option<Vec<Bounce>> = heights.iter().map(|(_, at)| at.bounce).collect();
+        let count = |of: &dyn Fn(&Bounce) -> bool, all: &[Bounce]| {
+            all.iter().filter(|bounce| of(bounce)).count()
+        };
         Self {
-            force_rendering_error: spread(
-                heights.iter().map(|swept| swept.own.force_rendering_error),
-            ),
-            left_box: count(|swept| swept.left_box_at.is_some()),
-            almost_stable: count(|swept| swept.stability <= Stability::AlmostStable),
+            force_rendering_error: spread(errors),
+            left_box_and_stable: bounces.map(|all| {
+                [
+                    count(&|it| it.left_box_at.is_some(), &all),
+                    count(&|it| it.stability <= Stability::AlmostStable, &all),
+                ]
+            }),
         }
     }
 }
@@ -328,36 +342,17 @@ pub fn largest_rebound_energy(run: &Run) -> Option<f64> {
         .max_by(f64::total_cmp)
 }
 
-fn stability(diverged: bool, rebound_energy: Option<f64>) -> Stability {
-    match rebound_energy {
-        _ if diverged => Stability::Diverged,
-        Some(ratio) if ratio <= STABLE_UP_TO => Stability::Stable,
-        Some(ratio) if ratio <= ALMOST_STABLE_UP_TO => Stability::AlmostStable,
-        _ => Stability::Unstable,
-    }
-}
-
 /// Returns the scene at a value of the quantity. A damping changes the columns, not the scene.
-fn with(scene: &Scene, quantity: Quantity, value: f64) -> Result<Scene, SweepError> {
-    let unless = |ok: bool, allowed| {
-        if ok {
-            Ok(())
-        } else {
-            Err(SweepError::Value {
-                name: quantity.name(),
-                value,
-                allowed,
-            })
-        }
-    };
+pub(crate) fn with(scene: &Scene, quantity: Quantity, value: f64) -> Result<Scene, SweepError> {
+    quantity.check(value)?;
     let mut varied = scene.clone();
     match quantity {
+        Quantity::Stiffness => varied.contact.stiffness *= value,
+        Quantity::Mass => match &mut varied.contact.object_mass {
+            Mass::Finite(mass) => *mass *= value,
+            Mass::Infinite => return Err(SweepError::NO_MASS),
+        },
         Quantity::Friction => {
-            unless(
-                value.is_finite() && value >= 0.0,
-                "finite and not below 0, a factor on the scene's",
-            )?;
-            let none = SweepError::Nothing("the scene's device has no friction to multiply");
             let (viscous, coulomb) = match &mut varied.device {
                 SceneDevice::PointMass(device) => {
                     (&mut device.viscous_friction, &mut device.coulomb_friction)
@@ -366,20 +361,17 @@ fn with(scene: &Scene, quantity: Quantity, value: f64) -> Result<Scene, SweepErr
                     let params = &mut device.linkage.params;
                     (&mut params.viscous_friction, &mut params.coulomb_friction)
                 }
-                SceneDevice::Recorded { .. } => return Err(none),
+                SceneDevice::Recorded { .. } => return Err(SweepError::NO_FRICTION),
             };
             if *viscous == 0.0 && *coulomb == 0.0 {
-                return Err(none);
+                return Err(SweepError::NO_FRICTION);
             }
             *viscous *= value;
             *coulomb *= value;
         }
         Quantity::SafetyBox => {
-            let device = varied.device.pantograph_mut().ok_or(SweepError::Nothing(
-                "only a device of kind pantograph has a safety box",
-            ))?;
+            let device = varied.device.pantograph_mut().ok_or(SweepError::NO_BOX)?;
             let linkage = &mut device.linkage;
-            unless(value.is_finite() && value > 0.0, "finite and above 0 m")?;
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
             let x = linkage.safety_box.map_or(everywhere, |bounds| bounds.x);
             let bounds = SafetyBox {
@@ -388,17 +380,12 @@ fn with(scene: &Scene, quantity: Quantity, value: f64) -> Result<Scene, SweepErr
             };
             *linkage = linkage.clone().in_box(bounds);
         }
-        Quantity::Damping => {
-            unless(
-                value.is_finite() && value >= 0.0,
-                "finite and not below 0 N s/m",
-            )?;
-        }
+        Quantity::Damping => {}
     }
     Ok(varied)
 }
 
-fn with_damping(column: &Column, value: f64) -> Column {
+pub(crate) fn with_damping(column: &Column, value: f64) -> Column {
     let damping = tunable(column.method).map_or(SettingKey::DAMPING, |setting| setting.key);
     let given = Settings::default().with(damping, value);
     Column {
@@ -414,12 +401,12 @@ mod tests {
 
     #[test]
     fn stability_is_a_number() {
-        assert_eq!(stability(false, Some(0.2)), Stability::Stable);
-        assert_eq!(stability(false, Some(1.1)), Stability::Stable);
-        assert_eq!(stability(false, Some(1.11)), Stability::AlmostStable);
-        assert_eq!(stability(false, Some(2.0)), Stability::AlmostStable);
-        assert_eq!(stability(false, Some(2.01)), Stability::Unstable);
-        assert_eq!(stability(false, None), Stability::Unstable);
-        assert_eq!(stability(true, Some(1.0)), Stability::Diverged);
+        assert_eq!(Stability::new(false, Some(0.2)), Stability::Stable);
+        assert_eq!(Stability::new(false, Some(1.1)), Stability::Stable);
+        assert_eq!(Stability::new(false, Some(1.11)), Stability::AlmostStable);
+        assert_eq!(Stability::new(false, Some(2.0)), Stability::AlmostStable);
+        assert_eq!(Stability::new(false, Some(2.01)), Stability::Unstable);
+        assert_eq!(Stability::new(false, None), Stability::Unstable);
+        assert_eq!(Stability::new(true, Some(1.0)), Stability::Diverged);
     }
 }

@@ -6,6 +6,8 @@
 use palpate_core::Unit;
 use palpate_scene::Scene;
 use palpate_scene::method::{MethodName, Setting, SettingKey, Settings};
+use serde::Serialize;
+
 pub mod report;
 
 use crate::sim::closed_loop::{Bench, LoopError};
@@ -37,7 +39,8 @@ impl Objective {
 }
 
 /// The distribution of a quantity over the start heights.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
 pub struct Spread {
     /// At the scene's own height.
     pub own: f64,
@@ -170,12 +173,17 @@ struct Trial {
     diverged: bool,
 }
 
+/// Returns the change of a start height, relative to the scene's own; 0 for the middle one.
+pub(crate) fn height_share(height: usize) -> f64 {
+    let middle = (HEIGHTS / 2) as f64;
+    HEIGHT_RANGE * (height as f64 - middle) / middle
+}
+
 /// Returns the scene with the gap of a start height; the middle height is the scene itself.
 pub(crate) fn at_height(scene: &Scene, height: usize) -> Scene {
-    let middle = (HEIGHTS / 2) as f64;
-    let share = HEIGHT_RANGE * (height as f64 - middle) / middle;
     let mut scene = scene.clone();
-    scene.object.position += share * (scene.object.position - scene.device.position());
+    scene.object.position +=
+        height_share(height) * (scene.object.position - scene.device.position());
     scene
 }
 

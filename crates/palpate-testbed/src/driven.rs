@@ -47,17 +47,44 @@ impl DrivenIdeal {
     /// A field of `scene` is outside the range in its description, or the path lasts more than 10⁷
     /// half oscillations of the contact.
     pub fn new(scene: DrivenScene, path: RecordedPath) -> Result<Self, InvalidParameter> {
+        Self::pushed(scene, path, &[])
+    }
+
+    /// Solves the motion of an object with an `added` force `[N]` from each sample of the path until the next, in
+    /// addition to f_V; an empty list: 0.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new); an added force is not finite, or their number is not that of the samples.
+    pub fn pushed(
+        scene: DrivenScene,
+        path: RecordedPath,
+        added: &[f64],
+    ) -> Result<Self, InvalidParameter> {
+        InvalidParameter::unless(
+            added.is_empty() || added.len() == path.times().len(),
+            "number of added forces",
+            added.len() as f64,
+            "that of the samples",
+        )?;
+        for &force in added {
+            finite("added force", force, "finite [N]")?;
+        }
         object_mass(scene.object_mass)?;
         object_velocity(scene.object_velocity, scene.object_mass)?;
         finite("virtual_force", scene.virtual_force, "finite [N]")?;
         finite("object_position", scene.object_position, "finite [m]")?;
-        let motion = RelativeMotion::new(
-            scene.stiffness,
-            1.0 / scene.object_mass,
-            -scene.virtual_force / scene.object_mass,
-        )?;
-        motion.affords(path.end() - path.start())?;
-        let arcs = arcs_along(&path, &scene, motion)?;
+        let motion = |added: f64| {
+            RelativeMotion::new(
+                scene.stiffness,
+                1.0 / scene.object_mass,
+                -(scene.virtual_force + added) / scene.object_mass,
+            )
+        };
+        motion(0.0)?.affords(path.end() - path.start())?;
+        let arcs = arcs_along(&path, &scene, |piece| {
+            motion(added.get(piece).copied().unwrap_or(0.0))
+        })?;
         Ok(Self { scene, path, arcs })
     }
 
@@ -143,7 +170,7 @@ impl DrivenIdeal {
 fn arcs_along(
     path: &RecordedPath,
     scene: &DrivenScene,
-    motion: RelativeMotion,
+    motion: impl Fn(usize) -> Result<RelativeMotion, InvalidParameter>,
 ) -> Result<Vec<Arc>, InvalidParameter> {
     let mut arcs = Vec::with_capacity(path.times().len());
     let mut slope = path.slope(0);
@@ -156,7 +183,7 @@ fn arcs_along(
         slope = path.slope(piece);
         // Solved in the piece's own time, where even a late and short piece has all its digits.
         let duration = ends[1] - ends[0];
-        let of_piece = motion.arcs(state, 0.0, duration)?;
+        let of_piece = motion(piece)?.arcs(state, 0.0, duration)?;
         arcs.extend(of_piece.iter().map(|arc| arc.delayed(ends[0])));
         if let (Some(last), Some(delayed)) = (of_piece.last(), arcs.last_mut()) {
             state = last.state(duration);

@@ -1,7 +1,7 @@
 //! Time per tick of a six-axis tool: `cargo bench -p palpate-world --bench six_axes_tick`.
 //!
 //! A hand presses a box onto a table, tilts it and moves it across: eight contact points, up to four of them active.
-//! Then the box is a mesh with a shell of 60 or 250 points, and the table a mesh with a distance grid. Every tick of
+//! Then the box is a mesh with a shell of 60 or 200 points, and the table a mesh with a distance grid. Every tick of
 //! a run is timed. Each reported time is the minimum over several identical runs, because any excess is due to other
 //! programs.
 #![allow(clippy::print_stdout)] // a benchmark prints
@@ -191,7 +191,7 @@ fn main() {
                 let what = format!("cylinder, {what}");
                 print_ticks(&name(&what), &world, method, HandledDevice::start);
             }
-            for points in [60, 250] {
+            for points in [60, 200] {
                 let world = points_on_grid(points, friction);
                 let what = format!("{points} points, ");
                 print_ticks(&name(&what), &world, method, HandledDevice::start);

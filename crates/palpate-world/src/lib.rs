@@ -23,7 +23,7 @@ pub use description::contact::{Contact, ContactLaw, Party};
 pub use description::joint::{Joint, JointKind, JointLaw};
 pub use description::mass_table::{MassTable, MassTableError};
 pub use description::world::World;
-pub use device::guard::{MAX_LATE, WorldGuard, WorldGuardParams, WorldHandBound};
+pub use device::guard::{MAX_LATE, WorldGuard, WorldGuardParams, WorldHandBound, WorldHandLimit};
 pub use device::observer::Prior;
 pub use device::params::WorldLoop;
 pub use device::sample::{Limited, Output, Sample, WorldFault};

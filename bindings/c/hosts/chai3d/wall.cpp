@@ -34,7 +34,7 @@ int main() try {
     sample.elapsed = clock.getCurrentTimeSeconds();  // since the previous sample [s]
     sample.has_elapsed = !is_first;
     clock.start(true);
-    device->setForce(cVector3d(0.0, 0.0, floor.step(sample, nullptr)));  // [N]
+    device->setForce(cVector3d(0.0, 0.0, floor.step(sample)));  // [N]
     device->getUserSwitch(0, ended);
   }
   device->setForce(cVector3d(0.0, 0.0, 0.0));

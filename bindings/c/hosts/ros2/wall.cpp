@@ -38,7 +38,7 @@ class Floor : public rclcpp::Node {
     has_last_ = true;
     WrenchStamped wrench;
     wrench.header = point.header;
-    wrench.wrench.force.z = floor_.step(sample, nullptr);
+    wrench.wrench.force.z = floor_.step(sample);
     wrenches_->publish(wrench);
   }
 

@@ -64,10 +64,13 @@ namespace Palpate
         public double GuardSpeed;
         public double GuardAllowance;
         public double GuardAcceleration;
+        public double GuardHandForce;
         public double GuardMass;
         public double GuardRecovery;
         public uint Guard;
         public Hold Hold;
+        public uint GuardLearnsMass;
+        internal uint Reserved;
 
         /// <summary>Returns the default parameters with a period [s].</summary>
         public static LoopParams Default(double period)
@@ -215,6 +218,7 @@ namespace Palpate
     {
         const uint AbiVersion = 1;
         IntPtr handle;
+        bool holdsLines;
 
         /// <summary>Creates a contact. Default method: coupled rendering. A missing setting has its default.</summary>
         /// <exception cref="ParameterException">A parameter is outside its range, or the method has no such
@@ -226,12 +230,19 @@ namespace Palpate
                 throw new ParameterException("Palpate.cs and the library palpate have different interface versions");
             }
             WithMethod(contact, method, settings, given => Native.palpate_contact_new(ref given, ref loop, out handle));
+            holdsLines = loop.Hold == Hold.Line;
         }
 
         /// <summary>Executes one tick: returns the force on the device [N] for its position [m]. It does not throw
         /// before Dispose and does not allocate managed memory.</summary>
+        /// <exception cref="InvalidOperationException">The loop has <see cref="Hold.Line"/>.</exception>
         public double Step(double devicePosition)
         {
+            if (holdsLines)
+            {
+                throw new InvalidOperationException(
+                    "the output has the slope of the line: call Step(sample, out output)");
+            }
             Output output;
             return Step(Sample.At(devicePosition), out output);
         }
@@ -262,6 +273,7 @@ namespace Palpate
         public void Change(ContactParams contact, LoopParams loop, string method = null, params Setting[] settings)
         {
             WithMethod(contact, method, settings, given => Native.palpate_contact_change(handle, ref given, ref loop));
+            holdsLines = loop.Hold == Hold.Line;
         }
 
         public void Dispose()

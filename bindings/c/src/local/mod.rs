@@ -111,6 +111,7 @@ pub unsafe extern "C" fn palpate_local_world_step(
                 *out = Wrench {
                     force: *force,
                     torque: *torque,
+                    slope: [0.0; 3],
                 };
             }
             Ok(LocalOutput::from(&held))
@@ -134,7 +135,7 @@ pub unsafe extern "C" fn palpate_local_world_report_sent(
         // SAFETY: guaranteed by the caller.
         let sent = unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
         sent.reported()?;
-        let Wrench { force, torque } = *sent;
+        let Wrench { force, torque, .. } = *sent;
         world.0.report_sent(0, Held { force, torque });
         Ok(())
     })

@@ -144,7 +144,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
             commanded_force: given.force,
             commanded_torque: given.torque,
             delivered_force: sent.force,
-            delivered_slope: [0.0; 3],
+            delivered_slope: sent.slope,
             delivered_torque: sent.torque,
             generation: 0,
             created_energy: state.created_at_ports(),

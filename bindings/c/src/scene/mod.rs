@@ -1,12 +1,14 @@
 //! Scenes: descriptions of worlds that C functions create and change.
 
 mod bodies;
+mod guard;
 mod laws;
 mod params;
 mod parts;
 mod shape;
 
 pub use bodies::*;
+pub use guard::*;
 pub use laws::*;
 pub use params::*;
 pub use parts::*;
@@ -29,6 +31,7 @@ use palpate_scene::{ActuatorParams, Delay, Timing, scene_bytes};
 use palpate_world::{World, WorldError, WorldField, WorldGuard};
 
 use crate::edge::status;
+use crate::loop_params::HoldKind;
 use crate::status::{Refusal, Status};
 use crate::text;
 
@@ -128,6 +131,7 @@ pub unsafe extern "C" fn palpate_scene_new(
                         delay: params.delay,
                         lag: params.lag,
                         gain: params.gain,
+                        hold: HoldKind::read(params.hold)?,
                         ..Actuation::default()
                     },
                     guard: WorldGuard::Off,

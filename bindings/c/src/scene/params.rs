@@ -5,6 +5,7 @@ use palpate_world::IDENTITY;
 
 use crate::choice;
 use crate::edge::status;
+use crate::loop_params::HoldKind;
 use crate::sized::{self, SizedStruct};
 use crate::status::{Refusal, Status};
 
@@ -34,6 +35,10 @@ pub struct SceneParams {
     pub coupling_rotational_stiffness: f64,
     /// Proxy moment of inertia of virtual-coupling [kg m^2].
     pub coupling_inertia: f64,
+    /// A palpate_hold: what the actuators hold. Default: PALPATE_HOLD_CONSTANT.
+    pub hold: u32,
+    /// Must be 0.
+    pub reserved: u32,
 }
 
 // SAFETY: `repr(C)`, a `usize` first, numbers only.
@@ -55,6 +60,8 @@ impl Default for SceneParams {
             coupling_mass: 0.0,
             coupling_rotational_stiffness: 0.0,
             coupling_inertia: 0.0,
+            hold: HoldKind::Constant as u32,
+            reserved: 0,
         }
     }
 }
@@ -87,6 +94,7 @@ impl SceneParams {
     pub(super) unsafe fn at(params: *const Self) -> Result<Self, Refusal<'static>> {
         // SAFETY: guaranteed by the caller.
         let params = unsafe { sized::read(params) }?;
+        choice::unused(params.reserved)?;
         check(&[
             ("period", params.period, true),
             ("delay", params.delay, false),

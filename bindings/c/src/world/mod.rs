@@ -176,7 +176,7 @@ impl World {
                 Refusal::Scene(words)
             }
         })?;
-        let bounded = BoundedWorld::of_constants(renderer, limits)
+        let bounded = BoundedWorld::new(renderer, limits)
             .map_err(|error| Refusal::Numbers(error.to_string()))?;
         let tools = &scene.world.tools;
         Ok(Self {

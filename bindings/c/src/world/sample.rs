@@ -25,6 +25,9 @@ pub struct Wrench {
     pub force: [f64; 3],
     /// Torque about the tool's centre of mass in world axes [N m]; 0 for a device of three axes.
     pub torque: [f64; 3],
+    /// Slope of the force [N/s]: with PALPATE_HOLD_LINE the force is `force + slope (t - T/2)` for t from 0 to the
+    /// period T, then its last value. Otherwise 0.
+    pub slope: [f64; 3],
 }
 
 /// One sample of all devices of a world. palpate_world_sample_at() fills it.
@@ -91,6 +94,7 @@ impl Wrench {
             })
         };
         of("force", self.force, "finite [N]")?;
-        of("torque", self.torque, "finite [N m]")
+        of("torque", self.torque, "finite [N m]")?;
+        of("slope", self.slope, "finite [N/s]")
     }
 }

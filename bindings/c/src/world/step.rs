@@ -14,6 +14,7 @@ use crate::status::{Refusal, Status};
 const NONE: Wrench = Wrench {
     force: [0.0; 3],
     torque: [0.0; 3],
+    slope: [0.0; 3],
 };
 
 /// Executes one tick: takes a sample of all devices and writes the wrenches to hold until the next tick to `wrenches`.
@@ -135,10 +136,12 @@ unsafe fn tick(
         orientations: &world.orientations,
         elapsed: (sample.has_elapsed != 0).then_some(sample.elapsed),
     });
-    for (out, Held { force, torque }) in out.iter_mut().zip(held.wrenches) {
+    let lines = held.wrenches.iter().zip(held.slopes);
+    for (out, (Held { force, torque }, slope)) in out.iter_mut().zip(lines) {
         *out = Wrench {
             force: *force,
             torque: *torque,
+            slope: *slope,
         };
     }
     Ok(WorldOutput::from(&held))
@@ -169,8 +172,14 @@ pub unsafe extern "C" fn palpate_world_report_sent(
             });
         }
         sent.reported()?;
-        let Wrench { force, torque } = *sent;
-        world.bounded.report_sent(device, Held { force, torque });
+        let Wrench {
+            force,
+            torque,
+            slope,
+        } = *sent;
+        world
+            .bounded
+            .report_sent(device, Held { force, torque }, slope);
         Ok(())
     })
 }

@@ -73,7 +73,7 @@ static void ticks(void) {
   palpate_local_params params = right();
   palpate_local_output output = palpate_local_output_empty();
   palpate_progress progress = palpate_progress_empty();
-  palpate_wrench wrench = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
+  palpate_wrench wrench = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}, {7.0, 8.0, 9.0}};
   palpate_host_body body = palpate_host_body_fixed(0.0, 0.0, 0.0);
   palpate_host_contact floor[2];
   const double centre[3] = {0.0, 0.0, 0.005};
@@ -203,7 +203,7 @@ static void two_threads(void) {
   palpate_low_rate_simulator *host;
   palpate_local_params params = right();
   palpate_local_output output = palpate_local_output_empty();
-  palpate_wrench wrench = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  palpate_wrench wrench = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
   pthread_t thread;
   params.bodies = 1;
   EXPECT(palpate_local_world_new(&params, &world, &host) == PALPATE_STATUS_OK);

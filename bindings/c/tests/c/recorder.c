@@ -77,7 +77,7 @@ static void ticks(palpate_contact *contact, palpate_world *world) {
   palpate_pose pose = {{0.0, 0.0, 0.1}, {1.0, 0.0, 0.0, 0.0}};
   palpate_world_sample of_world = palpate_world_sample_at(&pose, 1);
   palpate_world_output answer = palpate_world_output_empty();
-  palpate_wrench wrench = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  palpate_wrench wrench = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
 
   EXPECT(palpate_recorder_of_contact(contact, in_folder("disk.mcap"), NULL, &recorder) == PALPATE_STATUS_OK);
   REFUSED(palpate_recorder_of_contact(contact, in_folder("disk.mcap"), NULL, &again), PALPATE_STATUS_RECORDING, "disk.mcap");

@@ -20,14 +20,14 @@ static int failures = 0;
     EXPECT(strstr(palpate_last_error(), words) != NULL);            \
   } while (0)
 
-static palpate_scene *built(void) {
+static palpate_scene *built_with(palpate_hold hold) {
   palpate_scene_params params = palpate_scene_params_default();
   palpate_device_params device = palpate_device_params_default();
   palpate_body_params block = palpate_body_params_default(), table = block;
   palpate_shape ball = palpate_shape_default(), box = ball, plane = ball;
   palpate_contact_law law = palpate_contact_law_default();
   palpate_scene *scene;
-  params.period = 0.001;
+  params.period = 0.001, params.hold = hold;
   device.mass[0] = 0.15, device.mass[1] = 0.24, device.mass[2] = 0.375;
   for (int axis = 0; axis < 3; axis++) device.quantum[axis] = 2e-6;
   ball.radius = 0.005;
@@ -47,6 +47,8 @@ static palpate_scene *built(void) {
   EXPECT(palpate_scene_device_count(scene) == 1 && palpate_scene_body_count(scene) == 2);
   return scene;
 }
+
+static palpate_scene *built(void) { return built_with(PALPATE_HOLD_CONSTANT); }
 
 static palpate_fault pushed(palpate_world *world, int tick, palpate_wrench *wrench) {
   palpate_pose pose = {{-0.0265 + 5e-5 * tick, 0.003, 0.01}, {1.0, 0.0, 0.0, 0.0}};
@@ -405,6 +407,79 @@ static void turned(unsigned turns) {
   palpate_scene_free(scene);
 }
 
+/* The guard of a scene limits the forces of its worlds, whether the scene is built or read; a bound of the hand
+   lets more through. */
+static void guarded(const char *path) {
+  palpate_guard_params guard = palpate_guard_params_default();
+  palpate_scene *scenes[3] = {built(), NULL, built()};
+  palpate_world *worlds[3];
+  palpate_wrench wrenches[3];
+  palpate_world_output output = palpate_world_output_empty();
+  int limited = 0, more = 0;
+  EXPECT(guard.mode == PALPATE_GUARD_LIMIT && guard.speed == 1.0 && guard.turning_speed == 10.0);
+  EXPECT(guard.allowance == 0.05 && guard.recovery == 0.02 && guard.hand_force == 0.0);
+  OK(palpate_scene_open(path, &scenes[1]));
+  guard.allowance = 1e-5;
+  for (int at = 0; at < 3; at++) {
+    if (at == 2) guard.hand_force = 8.0, guard.least_mass = 0.01;
+    OK(palpate_scene_set_guard(scenes[at], &guard));
+    OK(palpate_world_of_scene(scenes[at], NULL, &worlds[at]));
+  }
+  for (int tick = 0; tick < 400; tick++) {
+    palpate_pose pose = {{-0.0265 + 5e-5 * tick, 0.003, 0.01}, {1.0, 0.0, 0.0, 0.0}};
+    palpate_world_sample sample = palpate_world_sample_at(&pose, 1);
+    for (int at = 0; at < 3; at++) {
+      EXPECT(palpate_world_step(worlds[at], &sample, &wrenches[at], 1, &output) == PALPATE_FAULT_NONE);
+      limited += at == 0 && (output.limited & PALPATE_LIMIT_GUARD) != 0;
+    }
+    EXPECT(memcmp(&wrenches[0], &wrenches[1], sizeof wrenches[0]) == 0);
+    more += fabs(wrenches[2].force[0]) > fabs(wrenches[0].force[0]);
+  }
+  EXPECT(limited > 5 && more > 5);
+  guard.acceleration = 80.0;
+  REFUSED(palpate_scene_set_guard(scenes[0], &guard), PARAMETER, "hand_force is 8, but must be 0 if acceleration is given");
+  guard.acceleration = guard.hand_force = 0.0;
+  REFUSED(palpate_scene_set_guard(scenes[0], &guard), PARAMETER, "least_mass is 0.01, but must be 0 without");
+  guard.least_mass = 0.0, guard.hand_torque = 1.0;
+  REFUSED(palpate_scene_set_guard(scenes[0], &guard), PARAMETER, "hand_torque is 1, but must be 0 without hand_force");
+  guard.hand_torque = 0.0, guard.speed = 0.0;
+  REFUSED(palpate_scene_set_guard(scenes[0], &guard), PARAMETER, "speed is 0, but must be finite and greater than 0");
+  guard.speed = 1.0, guard.late_samples = 9;
+  REFUSED(palpate_scene_set_guard(scenes[0], &guard), SCENE, "late_samples is 9, but must be at most 8");
+  guard.late_samples = 0, guard.mode = 3;
+  REFUSED(palpate_scene_set_guard(scenes[0], &guard), PARAMETER, "mode is 3, but must be PALPATE_GUARD_OFF");
+  REFUSED(palpate_scene_set_guard(NULL, &guard), NULL, "scene is NULL");
+  for (int at = 0; at < 3; at++) {
+    palpate_world_free(worlds[at]);
+    palpate_scene_free(scenes[at]);
+  }
+}
+
+/* A line ends nearer to the force of the contact than a constant does. */
+static void lines(void) {
+  palpate_scene *scenes[2] = {built(), built_with(PALPATE_HOLD_LINE)};
+  palpate_wrench wrench[2];
+  palpate_world *worlds[2];
+  palpate_scene_params params = palpate_scene_params_default();
+  int sloped = 0;
+  for (int at = 0; at < 2; at++) {
+    OK(palpate_world_of_scene(scenes[at], NULL, &worlds[at]));
+    palpate_scene_free(scenes[at]);
+  }
+  for (int tick = 0; tick < 400; tick++) {
+    for (int at = 0; at < 2; at++) EXPECT(pushed(worlds[at], tick, &wrench[at]) == PALPATE_FAULT_NONE);
+    EXPECT(wrench[0].slope[0] == 0.0);
+    sloped += wrench[1].slope[0] < -1.0;
+  }
+  EXPECT(sloped > 50 && wrench[1].force[0] < 0.0);
+  OK(palpate_world_report_sent(worlds[1], 0, &wrench[1]));
+  wrench[1].slope[1] = NAN;
+  REFUSED(palpate_world_report_sent(worlds[1], 0, &wrench[1]), PARAMETER, "slope is NaN, but must be finite [N/s]");
+  params.period = 0.001, params.hold = 2;
+  REFUSED(palpate_scene_new(&params, &scenes[1]), PARAMETER, "hold is 2, but must be PALPATE_HOLD_CONSTANT");
+  for (int at = 0; at < 2; at++) palpate_world_free(worlds[at]);
+}
+
 /* A recorder rejects ticks of a world that was changed; a new recorder accepts them. */
 static void recorded(const char *folder) {
   palpate_scene *scene = built();
@@ -443,6 +518,8 @@ int main(int argc, char **argv) {
   softer();
   shapes_and_joints();
   misuse();
+  guarded(argv[1]);
+  lines();
   turned(1);
   turned(2);
   recorded(argv[2]);

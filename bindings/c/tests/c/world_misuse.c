@@ -70,7 +70,8 @@ static void ticks(void) {
   palpate_world_ledger ledger = palpate_world_ledger_empty();
   palpate_pose pose = {{0.0, 0.0, 0.009}, {1.0, 0.0, 0.0, 0.0}};
   palpate_world_sample sample = palpate_world_sample_at(&pose, 1);
-  palpate_wrench wrenches[2] = {{{9.0, 9.0, 9.0}, {9.0, 9.0, 9.0}}, {{9.0, 9.0, 9.0}, {9.0, 9.0, 9.0}}};
+  palpate_wrench wrenches[2] = {{{9.0, 9.0, 9.0}, {9.0, 9.0, 9.0}, {9.0, 9.0, 9.0}},
+                                {{9.0, 9.0, 9.0}, {9.0, 9.0, 9.0}, {9.0, 9.0, 9.0}}};
 
   params.soft_start = 0.0;
   EXPECT(palpate_world_new(SCENE, NULL, &params, &world) == PALPATE_STATUS_OK);
@@ -84,7 +85,8 @@ static void ticks(void) {
   /* One wrench too many, no wrench, a missing pose: no force remains from the previous tick. */
   EXPECT(palpate_world_step(world, &sample, wrenches, 2, &output) == PALPATE_FAULT_ARGUMENT);
   EXPECT(strcmp(palpate_last_error(), "wrench_count is 2, but the world has 1 devices") == 0);
-  EXPECT(wrenches[0].force[2] == 0.0 && wrenches[1].force[0] == 0.0 && output.fault == PALPATE_FAULT_ARGUMENT);
+  EXPECT(wrenches[0].force[2] == 0.0 && wrenches[1].force[0] == 0.0 && wrenches[1].slope[2] == 0.0);
+  EXPECT(output.fault == PALPATE_FAULT_ARGUMENT);
   EXPECT(palpate_world_step(world, &sample, NULL, 1, &output) == PALPATE_FAULT_ARGUMENT);
   EXPECT(palpate_world_step(NULL, &sample, wrenches, 1, &output) == PALPATE_FAULT_ARGUMENT);
   EXPECT(palpate_world_step(world, NULL, wrenches, 1, &output) == PALPATE_FAULT_ARGUMENT);
@@ -122,7 +124,7 @@ static void refused_ticks(void) {
   palpate_world *world, *left_alone;
   palpate_world_output output = palpate_world_output_empty(), small = output;
   palpate_world_ledger ledger = palpate_world_ledger_empty(), expected = ledger;
-  palpate_wrench wrench, other, wrong = {{NAN, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  palpate_wrench wrench, other, wrong = {{NAN, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
 
   small.struct_size = sizeof small - 1;
   EXPECT(palpate_world_new(SCENE, NULL, NULL, &world) == PALPATE_STATUS_OK);

@@ -139,7 +139,7 @@ static void recordings(const std::string &folder) {
   palpate::Recorder recorder(std::move(first));
   const auto sample = palpate_sample_at(0.001);
   auto output = palpate_output_empty();
-  const double force = contact.step(sample, &output);
+  const double force = contact.step(sample, output);
   EXPECT(first.tick(contact, sample, output, force) == PALPATE_STATUS_NULL);
   EXPECT(recorder.tick(contact, sample, output, force) == PALPATE_STATUS_OK);
   const auto recorded = recorder.close();
@@ -151,6 +151,46 @@ static void recordings(const std::string &folder) {
   } catch (const palpate::Error &error) {
     EXPECT(error.status() == PALPATE_STATUS_RECORDING);
   }
+}
+
+/* A slope cannot be lost: a type for each hold, and no tick of a line without its output. */
+static void lines(const char *folder) {
+  auto params = palpate::contact_params(1000.0);
+  params.method = "coupled";
+  auto loop = palpate::loop_params(0.001);
+  loop.device_mass = 0.25;
+  const auto constant = loop;
+  loop.hold = PALPATE_HOLD_LINE;
+  palpate::LineContact contact(params, loop);
+  double slope = 0.0;
+  for (int tick = 0; tick < 20; tick++) {
+    auto output = palpate_output_empty();
+    const double force = contact.step(palpate_sample_at(1e-4 * tick), output);
+    EXPECT(force == output.force_on_device);
+    slope = output.slope_on_device;
+  }
+  EXPECT(slope < -50.0);
+  if (folder != nullptr) {
+    palpate::Recorder recorder(contact, std::string(folder) + "/line.mcap");
+    auto output = palpate_output_empty();
+    const auto sample = palpate_sample_at(2e-3);
+    const double force = contact.step(sample, output);
+    EXPECT(recorder.tick(contact, sample, output, force, output.slope_on_device) == PALPATE_STATUS_OK);
+    EXPECT(recorder.close().ticks == 1);
+  }
+  const auto words = [](auto make) -> std::string {
+    try {
+      make();
+      return "accepted";
+    } catch (const palpate::Error &error) {
+      return error.what();
+    }
+  };
+  const std::string line = "hold is PALPATE_HOLD_LINE: use LineContact, whose output has the slope";
+  EXPECT(words([&] { palpate::Contact(params, loop); }) == line);
+  EXPECT(words([&] { palpate::ContactF32(params, loop); }) == line);
+  EXPECT(words([&] { contact.change(params, constant); }).find("use Contact") != std::string::npos);
+  EXPECT(words([&] { palpate::LineContactF32(params, loop); }) == "accepted");
 }
 
 static void low_rate_simulators() {
@@ -233,6 +273,7 @@ int main(int argc, char **argv) {
   EXPECT(in_float.step(0.001f) == 0.0f && moved.step(0.002f) == -(1000.0f * 0.002f));
   EXPECT(moved.ledger().port_work == (1000.0f * 0.001f) * 0.001f);
   EXPECT(moved.description() == "a wall of 1000 N/m, f_V 0 N, by basic");
+  lines(argc > 2 ? argv[2] : nullptr);
   const auto names = palpate::method_names();
   EXPECT(names.front() == "basic" && names.back() == "coupled");
   const auto of_worlds = palpate::world_method_names();

@@ -73,6 +73,14 @@ def _parameters(kind: type) -> tuple[str, ...]:
     return tuple(made)
 
 
+def question_lag(lag: Any, name: str = "lag", stacklevel: int = 3) -> None:
+    """Warns about a lag that is implausible for a haptic device: its unit is probably milliseconds."""
+    if isinstance(lag, (int, float)):
+        question = _palpate.lag_question(name, f"{name}=0.001", lag)
+        if question is not None:
+            warnings.warn(question, stacklevel=stacklevel)
+
+
 def question_period(period: Any, name: str = "period", stacklevel: int = 3) -> None:
     """Warns about a period that is implausible for a haptic loop: its unit is probably milliseconds."""
     if isinstance(period, (int, float)):

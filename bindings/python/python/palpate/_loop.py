@@ -535,7 +535,9 @@ def _scene(device: Device, renderer: Renderer) -> str | None:
             "speed_m_per_s": given["guard_speed"],
             "allowance_j": given["guard_allowance"],
             "acceleration_m_per_s2": given["guard_acceleration"],
+            "hand_force_n": given["guard_hand_force"],
             "least_mass_kg": given["guard_mass"],
+            "learn_mass": given["guard_learn_mass"] or None,
             "recovery_w": given["guard_recovery"],
         }
         guard = {key: value for key, value in guard.items() if value is not None}

@@ -41,12 +41,13 @@ DEVICES: np.dtype[np.void] = np.dtype(
         ("commanded_force_n", "f8", (3,)),
         ("commanded_torque_n_m", "f8", (3,)),
         ("delivered_force_n", "f8", (3,)),
+        ("delivered_slope_n_per_s", "f8", (3,)),
         ("delivered_torque_n_m", "f8", (3,)),
     ]
 )
 """Fields of one of several devices at a tick: number of the tick, number of the device, flags (`FLAGS`), time of the
-sample, round-trip time, position, unit quaternion w, x, y, z, commanded wrench, and wrench that the device reports.
-Vectors are in the frame of the device; missing values are NaN."""
+sample, round-trip time, position, unit quaternion w, x, y, z, commanded wrench, and wrench that the device reports,
+with the slope of its force. Vectors are in the frame of the device; missing values are NaN."""
 FLAGS: tuple[str, ...] = tuple(_FLAGS)
 """Meaning of the field `flags` of a tick of a recording: `FLAGS[bit]` applies if the bit is set."""
 

@@ -23,6 +23,8 @@ class Trace(NamedTuple):
     """Positions [m]."""
     force: NDArray[np.float64] | None
     """Force on the device from each sample until the next [N]; `None` if the table has none."""
+    virtual_force: NDArray[np.float64] | None
+    """Virtual force on the object from each sample until the next [N]; `None` if the table has none."""
     left_out: int
     """Number of skipped samples without a value."""
 
@@ -47,7 +49,7 @@ def read_trace(
     Args:
         path: Table with a header. Without `columns` the names are `t_s` and `position_m`. A column name or a row of
             units below the header can state other units.
-        columns: Names of the columns of `t`, `x` and `force`; `"#2"` is the second column.
+        columns: Names of the columns of `t`, `x`, `force` and `virtual_force`; `"#2"` is the second column.
         unit: Unit of the positions: `"m"`, `"cm"`, `"mm"` or `"um"`. `None`: that of the table, else metres; an
             implausibly long or fast motion is then rejected.
         time_unit: Unit of the times: `"s"`, `"ms"`, `"us"` or `"ns"`. `None`: that of the table, else seconds; samples
@@ -85,6 +87,7 @@ def render(
     method: str | Sequence[str] = "coupled",
     device_mass: float | None = None,
     force: float = 0.0,
+    virtual_force: ArrayLike | None = None,
     object_position: float = 0.0,
     object_velocity: float = 0.0,
     side: str = "positive",
@@ -97,7 +100,9 @@ def render(
     guard_speed: float = 1.0,
     guard_allowance: float | None = None,
     guard_acceleration: float | None = None,
+    guard_hand_force: float | None = None,
     guard_mass: float | None = None,
+    guard_learn_mass: bool = False,
     guard_recovery: float | None = None,
     delay: float = 0.0,
     delay_deviation: float = 0.0,
@@ -124,6 +129,7 @@ def render(
         mass: Mass M of the object [kg]; `math.inf`: a wall.
         period: Nominal period T of the loop [s].
         method: Name of a method, of `palpate.METHODS`, several names, or `"all"`.
+        virtual_force: Virtual force on the object from each time until the next, in addition to `force` [N].
         force_limit: Largest held force [N]; `math.inf`: no limit.
         unit: Unit of the positions: `"m"`, `"cm"`, `"mm"` or `"um"`. `None`: metres; an implausibly long or fast motion
             is then rejected.
@@ -143,12 +149,15 @@ def render(
     """
     given = dict(locals())
     question_period(period)
-    for other in ("t", "x", "method", "unit", "time_unit", "skip_missing", "title", "settings"):
+    for other in ("t", "x", "virtual_force", "method", "unit", "time_unit", "skip_missing", "title", "settings"):
         del given[other]
     # A recorded motion is rendered with constants.
     given["hold"] = "constant"
     # Copy: the figure is drawn later, and the caller may change its arrays before that.
     times, positions, left_out = _of_one_dimension("t", t), _of_one_dimension("x", x), 0
+    forces = _of_one_dimension("virtual_force", () if virtual_force is None else virtual_force)
+    if virtual_force is not None and forces.shape != times.shape:
+        raise ValueError(f"virtual_force has {len(forces)} numbers, but must have {len(times)}, one for each time")
     if times.shape == positions.shape and (missing := np.isnan(times) | np.isnan(positions)).any():
         left_out = int(missing.sum())
         if not skip_missing:
@@ -159,7 +168,8 @@ def render(
                 f"{name} {said} {unit_of} at index {first} is not finite; skip_missing=True skips NaN samples"
             )
         times, positions = times[~missing], positions[~missing]
-    motion = (times, positions, title, unit, time_unit, left_out)
+        forces = forces if virtual_force is None else forces[~missing]
+    motion = (times, positions, forces, title, unit, time_unit, left_out)
     arguments = (motion, method, given, settings)
     return Runs._of_runs(_palpate.render(*arguments), (_palpate.render_figure, arguments))
 

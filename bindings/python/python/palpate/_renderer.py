@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, ClassVar, NoReturn
 
 from . import _palpate
-from ._fixed import Fixed, FixedParameters, question_period
+from ._fixed import Fixed, FixedParameters, question_lag, question_period
 
 
 class Renderer(Fixed, _palpate.Renderer):
@@ -36,10 +36,14 @@ class Renderer(Fixed, _palpate.Renderer):
         largest_gap: Longest time between samples that is bridged [s]; `None`: 20 periods.
         guard: Passivity guard, a bound on the generated energy: `"off"`, `"report"` or `"limit"`.
         guard_speed: Largest device speed that the guard assumes [m/s].
-        guard_allowance: Generated energy that the guard tolerates [J]; `None`: 0.001, or 0.02 with `guard_acceleration`.
+        guard_allowance: Generated energy that the guard tolerates [J]; `None`: 0.001, or 0.02 with `guard_acceleration`
+            or `guard_hand_force`.
         guard_acceleration: Largest acceleration of the device by everything except the rendered force [m/s^2]; the guard
             then bounds by the last step too. `None`: by speed only.
+        guard_hand_force: Largest force on the device by everything except the rendered force [N], instead of
+            `guard_acceleration`, which is then this force over `guard_mass`.
         guard_mass: Least device mass for this bound [kg]; `None`: half of `device_mass`.
+        guard_learn_mass: Whether the motion may raise this mass, which must be the same in every pose.
         guard_recovery: Power by which the guard forgives energy that may have been given out unnoticed, in the quanta of
             the sensor or by a force that changes between samples [W]; `None`: 0.02.
         delay: Time from a sample to the beginning of its force [s], at most 8 periods.
@@ -83,7 +87,9 @@ class Renderer(Fixed, _palpate.Renderer):
         guard_speed: float = 1.0,
         guard_allowance: float | None = None,
         guard_acceleration: float | None = None,
+        guard_hand_force: float | None = None,
         guard_mass: float | None = None,
+        guard_learn_mass: bool = False,
         guard_recovery: float | None = None,
         delay: float = 0.0,
         delay_deviation: float = 0.0,
@@ -99,6 +105,7 @@ class Renderer(Fixed, _palpate.Renderer):
         for other in ("cls", "__class__", "method", "soft_start", "settings"):
             given.pop(other, None)
         question_period(period)
+        question_lag(lag)
         made = super().__new__(cls, method, given, soft_start, settings)
         made.parameters = FixedParameters({"method": method, **given, "soft_start": soft_start, **settings}, cls._way)
         return made

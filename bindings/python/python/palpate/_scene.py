@@ -7,7 +7,7 @@ import os
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Sequence, Union, overload
 
 from . import _palpate
-from ._fixed import Fixed, question_period
+from ._fixed import Fixed, question_lag, question_period
 from ._report import Report, Runs, WorldRuns
 from ._values import Situation
 
@@ -90,7 +90,9 @@ class Scene(Fixed, _palpate.Scene):
     @classmethod
     def _of(cls, text: str, name: str | None, folder: str | os.PathLike[str]) -> Scene:
         made = super().__new__(cls, text, name, folder)
-        question_period(_palpate.from_toml(text)["loop"]["period_s"], "period_s", 4)
+        loop = _palpate.from_toml(text)["loop"]
+        question_period(loop["period_s"], "period_s", 4)
+        question_lag(loop.get("lag_s"), "lag_s", 4)
         return made
 
     @classmethod

@@ -83,8 +83,9 @@ def sweep(
 
     Args:
         scene: A scene, or the path of a scene file.
-        over: Quantity to vary: `"friction"`, a factor on the friction of the device; `"box"`, the safety box of a
-            pantograph along y [m]; `"damping"`, the damping or the cap of the methods [N s/m].
+        over: Quantity to vary: `"stiffness"`, `"mass"` or `"friction"`, factors on the stiffness of the contact, the
+            mass of the object and the friction of the device; `"box"`, the safety box of a pantograph along y [m];
+            `"damping"`, the damping or the cap of the methods [N s/m].
         values: Values of the quantity.
         method: Name of a method, several names, or `"all"`. `None`: all; for `"damping"` all that have a damping.
         heights: Whether each value is also evaluated over 21 start heights.

@@ -153,7 +153,8 @@ class World(Fixed, _palpate.World):
         Returns:
             The force that the device has to exert on the hand [N], three numbers; for a device with torque a wrench of
             six: fx, fy, fz [N], and the torque about the centre of mass tx, ty, tz [N m], in the world frame. For
-            several devices a row for each. An invalid sample gives 0, and `output.fault` has the reason.
+            several devices a row for each. An invalid sample gives 0, and `output.fault` has the reason. With a line
+            hold it is the mean, and `output.slopes` has the slope of each force.
 
         Raises:
             ValueError: The sample has the wrong shape.
@@ -176,16 +177,17 @@ class World(Fixed, _palpate.World):
             )
         return self.tick(given, elapsed)
 
-    def report_sent(self, force: ArrayLike, device: str | None = None) -> None:
+    def report_sent(self, force: ArrayLike, device: str | None = None, slope: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Reports the force that was actually sent for the last sample, if it differs from the result of `step`.
 
         Args:
             force: Force on the device [N], three numbers; if a device has a torque, a wrench of six numbers: the force,
                 then the torque [N m].
             device: Name of the device; optional for a single device.
+            slope: Slope of the force [N/s], three numbers, for a line hold.
 
         Raises:
-            ValueError: The device does not exist, or the force has the wrong shape or is not finite.
+            ValueError: The device does not exist, or the force or the slope has the wrong shape or is not finite.
         """
         if device is None and len(self._devices) == 1:
             device = self._devices[0]
@@ -195,8 +197,11 @@ class World(Fixed, _palpate.World):
         width = 6 if self.gives_torque() else 3
         if given.shape != (width,):
             raise ValueError(f"force has the shape {given.shape}, but must have ({width},)")
+        slopes = known("slope", numbers("slope", slope))
+        if slopes.shape != (3,):
+            raise ValueError(f"slope has the shape {slopes.shape}, but must have (3,)")
         torque = given[3:] if width == 6 else np.zeros(3)
-        self.tell_sent(self._devices.index(device), given[:3].tolist(), torque.tolist())
+        self.tell_sent(self._devices.index(device), given[:3].tolist(), torque.tolist(), slopes.tolist())
 
     @property
     def devices(self) -> dict[str, ToolState]:
@@ -241,8 +246,8 @@ class World(Fixed, _palpate.World):
         result = self.result()
         if result is None:
             return None
-        forces, limited, effort, fault, faulty = result
-        return WorldOutput(forces, tuple(limited), Effort(*effort), fault, faulty)
+        forces, slopes, limited, effort, fault, faulty = result
+        return WorldOutput(forces, slopes, tuple(limited), Effort(*effort), fault, faulty)
 
     def add(
         self,

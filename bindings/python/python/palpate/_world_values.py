@@ -30,6 +30,9 @@ class WorldOutput(NamedTuple):
     forces: NDArray[np.float64]
     """Force that each device has to exert on the hand until the next sample [N], a row for each. If a device has a
     torque, each row has the torque about the centre of mass [N m] after the force, 0 for a device without torque."""
+    slopes: NDArray[np.float64]
+    """Slope of each force [N/s], a row for each device: with `hold = "line"` in `loop` the force is
+    `force + slope (t - T/2)` for t from 0 to the period T, then its last value. Otherwise 0."""
     limited: tuple[str, ...]
     """Active limits: `force`, `torque`, `offset` of a proxy, `guard`, `beyond-guard`, `soft-start`, and `safety-stop`: the loop has
     generated energy, and all forces stay 0 until `reset()`."""

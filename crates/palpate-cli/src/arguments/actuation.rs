@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 
-use crate::values::{number, periods};
+use crate::values::{lag, number, periods};
 
 /// Delay, lag and gain, each with its standard deviation, a flexible transmission, and the device file of a
 /// calibration.
@@ -22,7 +22,7 @@ pub struct ActuationFlags {
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub delay_deviation: Option<f64>,
     /// Time constant of the actuator, a first-order lag after the delay [s] [default: 0, or the scene's]
-    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
+    #[arg(long, value_name = "s", value_parser = lag, allow_hyphen_values = true)]
     pub lag: Option<f64>,
     /// Standard deviation of the lag, at most 8 periods [s] [default: 0, or the scene's]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]

@@ -157,19 +157,35 @@ pub struct Flags {
         value_parser = number,
         allow_hyphen_values = true,
         requires = "guard",
+        group = "guard_hand",
         help_heading = "Loop"
     )]
     pub guard_acceleration: Option<f64>,
+    /// Largest force on the device by everything except the rendered force, instead of --guard-acceleration: its
+    /// acceleration is at most this force over the least device mass [N] [default: no bound]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = number,
+        allow_hyphen_values = true,
+        requires = "guard",
+        group = "guard_hand",
+        help_heading = "Loop"
+    )]
+    pub guard_hand_force: Option<f64>,
     /// Least device mass for which the guard is designed [kg] [default: half the model mass of the device]
     #[arg(
         long,
         value_name = "kg",
         value_parser = number,
         allow_hyphen_values = true,
-        requires = "guard_acceleration",
+        requires = "guard_hand",
         help_heading = "Loop"
     )]
     pub guard_mass: Option<f64>,
+    /// Raise the least mass to the mass that the motion shows; it must be the same in every pose
+    #[arg(long, requires = "guard_hand", help_heading = "Loop")]
+    pub guard_learn_mass: bool,
     /// Power by which the guard forgives energy that may have been given out unnoticed; 0: none [W] [default: 0.02]
     #[arg(
         long,
@@ -180,7 +196,8 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub guard_recovery: Option<f64>,
-    /// Additional energy allowance of the guard [J] [default: 0.001; 0.02 with --guard-acceleration; 0.05 in a world]
+    /// Additional energy allowance of the guard [J] [default: 0.001; 0.02 with --guard-acceleration or --guard-hand-force; 0.05 in a
+    /// world]
     #[arg(
         long,
         value_name = "J",

@@ -5,15 +5,14 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 use palpate_scene::HandForceAt;
 use palpate_study::suite::MAX_PLANTS;
-use palpate_study::sweep::Quantity;
 
 use super::{
     EditFlags, Flags, Given, LookFlags, Overwriting, PartFlags, PlotFlags, ReplayFlags, TimeFlags,
     TimingFlags, TraceFlags,
 };
 use crate::values::{
-    AnyMethods, Numbers, PlantSet, any_methods, force_place, number, numbers, plant_set, quantity,
-    whole,
+    AnyMethods, Numbers, Over, PlantSet, any_methods, force_place, number, numbers, over,
+    plant_set, whole,
 };
 
 /// Arguments of `render`.
@@ -99,19 +98,21 @@ pub struct SweepArguments {
     /// Edits of the scene.
     #[command(flatten)]
     pub edits: EditFlags,
-    /// Quantity to vary: friction of the device, as a factor on the scene's; box, the half-width of a pantograph's
-    /// safety box along y [m]; damping, B, b or cap of the methods [N s/m]
-    #[arg(long, value_name = "QUANTITY", value_parser = quantity, required_unless_present = "key",
-          conflicts_with = "key")]
-    pub over: Option<Quantity>,
-    /// Key of the scene to vary, instead of --over: a path as of --set, such as body.0.mass_kg or
-    /// model.device_mass_factor
-    #[arg(long, value_name = "KEY")]
-    pub key: Option<String>,
+    /// Quantity to vary: stiffness, mass or friction, as factors on those of the scene; box, the half-width of a
+    /// pantograph's safety box along y [m]; damping, B, b or cap of the methods [N s/m]. Or a key of the scene: a path
+    /// as of --set, such as body.0.mass_kg or model.device_mass_factor
+    #[arg(long, value_name = "QUANTITY|KEY", value_parser = over)]
+    pub over: Over,
     /// Values of the quantity or the key, separated by commas
     #[arg(long, value_name = "NUMBERS", value_parser = numbers, allow_hyphen_values = true,
           required_unless_present = "from", conflicts_with = "from")]
     pub values: Option<Numbers>,
+    /// Second quantity or key, for a map: every value of --over with every one of --and-values
+    #[arg(long, value_name = "QUANTITY|KEY", value_parser = over, requires = "and_values")]
+    pub and: Option<Over>,
+    /// Values of the second quantity or key
+    #[arg(long, value_name = "NUMBERS", value_parser = numbers, allow_hyphen_values = true, requires = "and")]
+    pub and_values: Option<Numbers>,
     /// First value of a range, instead of --values
     #[arg(long, value_name = "NUMBER", value_parser = number, allow_hyphen_values = true, requires_all = ["to", "steps"])]
     pub from: Option<f64>,

@@ -1,146 +1,151 @@
 //! `palpate sweep`: one quantity or one key of a scene over several values.
 
-use std::path::Path;
-
 use palpate_record::files::outputs::Outputs;
 use palpate_scene::method::MethodName;
-use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_scene::world::WorldScene;
 use palpate_scene::{Edit, Measure, Scene, SceneFile, Source};
+use palpate_study::studied::Studied;
 use palpate_study::suite::Column;
 use palpate_study::sweep::report::SweepReport;
-use palpate_study::sweep::{
-    Quantity, SweepError, WorldSweepError, sweep, sweep_scenes, sweep_worlds, table::COLUMNS,
-};
-use palpate_study::table::TableFormat;
+use palpate_study::sweep::{Point, Quantity, sweep_points, table::COLUMNS};
 use palpate_study::tune::tunable;
 
-use super::simulate::{read_any, read_scene, read_text};
+use super::simulate::{read_any, read_text};
 use crate::arguments::SweepArguments;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::results::{draw, print_report};
+use crate::results::{draw_study, print_report, write_table};
+use crate::values::Over;
+use crate::worlds::{able, compared, failed};
 
 /// Runs every column at every value.
 pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
-    let values = arguments.values()?;
     let mut outputs = arguments.overwriting.outputs();
     outputs.protect(&arguments.scene);
     if let Some(out) = &arguments.out {
         outputs.plan("--out", out)?;
     }
     arguments.picture.plan(&mut outputs)?;
-    let report = match (arguments.over, &arguments.key) {
-        (Some(quantity), _) => over(arguments, quantity, &values, &outputs)?,
-        (None, Some(key)) => over_key(arguments, key, &values, &outputs)?,
-        (None, None) => unreachable!("clap requires one of them"),
+    // Reports the notes of the scene once, and names its own errors.
+    let report = match read_any(&arguments.scene, &arguments.edits)? {
+        SceneFile::Contact(file) => {
+            let columns = arguments.columns()?;
+            let scene = arguments.windowed(file.scene);
+            swept(arguments, &outputs, &scene, &columns, |file| match file {
+                SceneFile::Contact(file) => Some(arguments.windowed(file.scene)),
+                SceneFile::World(_) => None,
+            })?
+        }
+        SceneFile::World(file) => {
+            let methods = arguments.methods_of_world(&file.scene)?;
+            swept(
+                arguments,
+                &outputs,
+                &file.scene,
+                &methods,
+                |file| match file {
+                    SceneFile::World(file) => Some(file.scene),
+                    SceneFile::Contact(_) => None,
+                },
+            )?
+        }
     };
     deliver(arguments, &outputs, report)
 }
 
-fn over(
+/// Runs the columns on the scene at every value. `of` returns the scene of a file if it has the same renderer.
+fn swept<S: Studied>(
     arguments: &SweepArguments,
-    quantity: Quantity,
-    values: &[f64],
     outputs: &Outputs,
+    scene: &S,
+    columns: &[S::Column],
+    of: impl Fn(SceneFile) -> Option<S>,
 ) -> Result<SweepReport, Failure> {
-    let compared = &arguments.compared;
-    let columns = match (&compared.method, &compared.columns, quantity) {
-        // Without a name, all methods with the varied quantity.
-        (None, None, Quantity::Damping) => MethodName::ALL
-            .into_iter()
-            .filter(|method| tunable(*method).is_some())
-            .map(Column::new)
-            .collect(),
-        _ => compared.columns()?,
+    let and_values = match &arguments.and_values {
+        Some(values) => values.0.iter().copied().map(Some).collect(),
+        None => vec![None],
     };
-    let scene = read_scene(&arguments.scene, &arguments.edits)?.scene;
-    let scene = arguments.windowed(scene);
+    let with_second = |value: f64| and_values.iter().map(move |and| (value, *and));
+    let values = arguments.values()?.into_iter();
+    let values: Vec<(f64, Option<f64>)> = values.flat_map(with_second).collect();
+    let source = Source::new(
+        &arguments.scene.display().to_string(),
+        &read_text(&arguments.scene)?,
+    );
+    let source = source.edited(&arguments.edits.set);
+    let at = |&(value, and_value): &(f64, Option<f64>)| {
+        let second = arguments.and.as_ref().zip(and_value);
+        let second = second.map(|(over, value)| ("--and", over, value));
+        let axes = [("--over", &arguments.over, value)].into_iter();
+        let axes: Vec<Axis<'_>> = axes.chain(second).collect();
+        let (named, varied) = edited(&axes, &source, scene, &of)?;
+        let mut point = Point {
+            at: named,
+            scene: varied,
+            columns: columns.to_vec(),
+        };
+        for (_, over, value) in axes {
+            if let Over::Quantity(quantity) = over {
+                let varied = point.with(*quantity, value);
+                point = varied.map_err(failed(&arguments.scene))?;
+            }
+        }
+        Ok(point)
+    };
+    let points: Vec<_> = values.iter().map(at).collect::<Result<_, Failure>>()?;
     outputs.spare_inputs()?;
     let progress = Progress::new(values.len());
-    progress.begin(quantity.name());
-    let done = || progress.advance();
-    let swept = sweep(&scene, quantity, values, &columns, arguments.heights, done)
-        .map_err(|error| failed(arguments, &error))?;
-    Ok(SweepReport::new(&scene, quantity, values, &columns, &swept))
+    progress.begin(arguments.over.name());
+    let swept = sweep_points(&points, arguments.heights, || progress.advance());
+    let swept = swept.map_err(failed(&arguments.scene))?;
+    let names = (
+        arguments.over.name(),
+        arguments.and.as_ref().map(Over::name),
+    );
+    let mut report = SweepReport::of_names(scene, names, &values, columns, &swept);
+    if let Over::Quantity(quantity) = arguments.over {
+        report.unit = quantity.unit();
+    }
+    Ok(report)
 }
 
-fn over_key(
-    arguments: &SweepArguments,
-    key: &str,
-    values: &[f64],
-    outputs: &Outputs,
-) -> Result<SweepReport, Failure> {
-    // Reports the notes of the scene once, and names its own errors.
-    let file = read_any(&arguments.scene, &arguments.edits)?;
-    let varied = varied(arguments, key, values)?;
-    outputs.spare_inputs()?;
-    let progress = Progress::new(values.len());
-    progress.begin(key);
-    let done = || progress.advance();
-    match file {
-        SceneFile::Contact(file) => {
-            let columns = arguments.compared.columns()?;
-            let scenes = varied.into_iter().map(|(value, file)| match file {
-                SceneFile::Contact(file) => Ok((value, arguments.windowed(file.scene))),
-                SceneFile::World(_) => Err(another_renderer(key, value)),
-            });
-            let scenes: Vec<(f64, Scene)> = scenes.collect::<Result<_, _>>()?;
-            let swept = sweep_scenes(key, &scenes, &columns, arguments.heights, done)
-                .map_err(|error| failed(arguments, &error))?;
-            let swept = values.iter().copied().zip(&swept);
-            Ok(SweepReport::of_key(&file.scene, key, swept, &columns))
-        }
-        SceneFile::World(file) => {
-            let methods = arguments.methods_of_world(&file)?;
-            let worlds = varied.into_iter().map(|(value, file)| match file {
-                SceneFile::World(file) => Ok((value, file.scene)),
-                SceneFile::Contact(_) => Err(another_renderer(key, value)),
-            });
-            let worlds: Vec<(f64, WorldScene)> = worlds.collect::<Result<_, _>>()?;
-            let swept = sweep_worlds(key, &worlds, &methods, done);
-            let swept = swept.map_err(|error| failed_world(&arguments.scene, &error))?;
-            let swept = values.iter().copied().zip(&swept);
-            Ok(SweepReport::of_worlds(
-                &file.scene.title,
-                key,
-                swept,
-                &methods,
-            ))
-        }
+/// Flag, quantity or key, and value.
+type Axis<'a> = (&'static str, &'a Over, f64);
+
+/// Returns the values in words, and the scene with those of keys.
+fn edited<S: Studied>(
+    axes: &[Axis<'_>],
+    source: &Source,
+    scene: &S,
+    of: impl Fn(SceneFile) -> Option<S>,
+) -> Result<(String, S), Failure> {
+    let named = axes
+        .iter()
+        .map(|(_, over, value)| format!("{} {value}", over.name()));
+    let named = named.collect::<Vec<_>>().join(", ");
+    let edit = |(flag, over, value): &Axis<'_>| match over {
+        Over::Quantity(_) => None,
+        Over::Key(key) => Some(
+            Edit::number(&format!("{flag} {key}, value {value}"), key, *value)
+                .map_err(|error| Failure::Arguments(format!("{flag} {key}: {error}"))),
+        ),
+    };
+    let edits: Vec<Edit> = axes.iter().filter_map(edit).collect::<Result<_, _>>()?;
+    if edits.is_empty() {
+        return Ok((named, scene.clone()));
+    }
+    let file = SceneFile::parse_edited(&source.clone().edited(&edits));
+    match of(file.map_err(Failure::inputs)?) {
+        Some(scene) => Ok((named, scene)),
+        None => Err(another_renderer(&named)),
     }
 }
 
-/// Reads the scene with each value of the key.
-fn varied(
-    arguments: &SweepArguments,
-    key: &str,
-    values: &[f64],
-) -> Result<Vec<(f64, SceneFile)>, Failure> {
-    let name = arguments.scene.display().to_string();
-    let source = Source::new(&name, &read_text(&arguments.scene)?).edited(&arguments.edits.set);
-    let at = |&value: &f64| {
-        let edit = Edit::number(&format!("--key {key}, value {value}"), key, value);
-        let edit = edit.map_err(|error| Failure::Arguments(format!("--key {key}: {error}")))?;
-        let source = source.clone().edited(&[edit]);
-        let file = SceneFile::parse_edited(&source).map_err(Failure::inputs)?;
-        Ok((value, file))
-    };
-    values.iter().map(at).collect()
-}
-
-fn another_renderer(key: &str, value: f64) -> Failure {
+fn another_renderer(at: &str) -> Failure {
     Failure::Arguments(format!(
-        "--key {key}, value {value}: this value changes whether the scene is one contact along one axis or a world, \
-         so its results cannot be compared with the others"
+        "--over, at {at}: this value changes whether the scene is one contact along one axis or a world, so its results \
+         cannot be compared with the others"
     ))
-}
-
-fn failed(arguments: &SweepArguments, error: &SweepError) -> Failure {
-    Failure::input(format!("{}: {error}", arguments.scene.display()))
-}
-
-fn failed_world(path: &Path, error: &WorldSweepError) -> Failure {
-    Failure::input(format!("{}: {error}", path.display()))
 }
 
 impl SweepArguments {
@@ -185,27 +190,42 @@ impl SweepArguments {
         Ok((0..steps).map(at).collect())
     }
 
-    /// Returns the methods of a sweep over a world: the named ones, or all that its file has settings for.
-    fn methods_of_world(&self, file: &WorldFile) -> Result<Vec<&'static str>, Failure> {
-        for (flag, is_given) in [
-            ("--columns", self.compared.columns.is_some()),
-            ("--heights", self.heights),
-            ("--collisions", self.collisions.is_some()),
-        ] {
-            if is_given {
-                return Err(Failure::Arguments(format!(
-                    "{flag}: {} is a world; the flag is for one contact along one axis",
-                    self.scene.display()
-                )));
-            }
+    /// Whether a damping is varied, so that only methods with one are compared.
+    fn varies_damping(&self) -> bool {
+        let varied = [Some(&self.over), self.and.as_ref()];
+        varied.contains(&Some(&Over::Quantity(Quantity::Damping)))
+    }
+
+    /// Returns the columns of one contact.
+    fn columns(&self) -> Result<Vec<Column>, Failure> {
+        let has_setting =
+            |method: &MethodName| !self.varies_damping() || tunable(*method).is_some();
+        let all = MethodName::ALL.into_iter().filter(has_setting);
+        self.compared.columns_or(|| all.map(Column::new).collect())
+    }
+
+    /// Returns the methods of a world: the named ones, or all that its file has settings for.
+    fn methods_of_world(&self, scene: &WorldScene) -> Result<Vec<&'static str>, Failure> {
+        if self.collisions.is_some() {
+            return Err(Failure::Arguments(format!(
+                "--collisions: {} is a world, whose window is set before its ideal is solved; use --set \
+                 measure.duration_s",
+                self.scene.display()
+            )));
         }
-        match &self.compared.method {
-            Some(methods) if !methods.are_all => Ok(methods.names.clone()),
-            _ => {
-                let all = WorldScene::METHODS.into_iter();
-                Ok(all.filter(|name| file.scene.method(name).is_ok()).collect())
+        self.compared.refuse_columns(&self.scene)?;
+        compared(self.compared.method.as_ref(), || {
+            let mut all = able(scene);
+            if self.varies_damping() {
+                let mut damped = WorldScene::METHODS.to_vec();
+                damped.retain(|name| match scene.at(&[name], Quantity::Damping, 1.0) {
+                    Ok((scene, _)) => scene.method(name).is_ok(),
+                    Err(_) => false,
+                });
+                all = damped;
             }
-        }
+            all
+        })
     }
 }
 
@@ -215,16 +235,9 @@ fn deliver(
     outputs: &Outputs,
     mut report: SweepReport,
 ) -> Result<(), Failure> {
-    if let Some(out) = &arguments.out {
-        outputs.write(out, |writer| {
-            TableFormat::from_path(out).write(writer, &COLUMNS, report.rows())
-        })?;
-        report.wrote(out);
-    }
-    if let Some(path) = &arguments.picture.plot {
-        let figure = palpate_plot::sweep(&report);
-        draw(outputs, path, &figure, &arguments.picture.look)?;
-        report.wrote(path);
-    }
+    let table = write_table(outputs, arguments.out.as_ref(), &COLUMNS, report.rows())?;
+    report.files.extend(table);
+    let figure = draw_study(outputs, &arguments.picture, || palpate_plot::sweep(&report))?;
+    report.files.extend(figure);
     print_report(&report, arguments.json)
 }

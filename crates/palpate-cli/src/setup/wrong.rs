@@ -109,6 +109,7 @@ impl Flags {
             Parameter::GuardSpeed => valued("--guard-speed", self.guard_speed),
             Parameter::GuardAllowance => valued("--guard-allowance", self.guard_allowance),
             Parameter::GuardAcceleration => valued("--guard-acceleration", self.guard_acceleration),
+            Parameter::GuardHandForce => valued("--guard-hand-force", self.guard_hand_force),
             Parameter::GuardMass => valued("--guard-mass", self.guard_mass),
             Parameter::GuardRecovery => valued("--guard-recovery", self.guard_recovery),
             Parameter::DeviceMass => valued("--device-mass", self.device_mass),

@@ -137,6 +137,11 @@ fn actuator_model_brings_coupled_near_the_hold_bound() {
     folder.fail(&format!("{pipe} --delay 1"), 2, &[too_long, in_periods]);
     let too_long = "--delay-periods is 0.009 s, 9 periods";
     folder.fail(&format!("{pipe} --delay-periods 9"), 2, &[too_long]);
+    let question = "--lag is 1 s; is it in milliseconds? A lag of 1 ms is --lag 0.001";
+    let lagging = folder
+        .palpate("simulate scene.toml --method basic --lag 1")
+        .stderr;
+    assert!(lagging.contains(question), "{lagging}");
     let negative = "--delay is -1 s, but must be finite and not below 0";
     folder.fail("simulate scene.toml --delay -1", 2, &[negative]);
 }

@@ -150,13 +150,13 @@ fn the_table_is_written_as_csv() {
     let text = folder.read("t.csv");
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 5);
-    assert!(lines[0].starts_with("scene,title,method,kappa,hold_bound_percent,mean_force_error"));
+    assert!(lines[0].starts_with("scene,title,method,tuned,period_s,kappa,hold_bound_percent,"));
     assert!(
         lines[3].starts_with("experiment2.toml,\"Paper, experiment 2"),
         "{}",
         lines[3]
     );
-    assert!(lines[3].contains(",basic,0.64,35."), "{}", lines[3]);
+    assert!(lines[3].contains(",basic,,0.02,0.64,35."), "{}", lines[3]);
     assert!(lines[3].contains(",true,,,0,"), "{}", lines[3]);
     folder.fail(
         "compare fig2.toml --out fig2.toml",

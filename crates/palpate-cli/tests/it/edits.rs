@@ -1,6 +1,7 @@
 //! `--set`, sweeps over a key, several seeds, and the words of figures.
 
 use crate::common::{Folder, experiment_text, number, of_method};
+use serde_json::Value;
 
 fn folder() -> Folder {
     let folder = Folder::new();
@@ -67,20 +68,28 @@ fn errors_of_an_edit_name_the_flag() {
             &["--set body.mass_kg=1: pipe without a scene file has no such keys"],
         ),
         (
-            "sweep fig2.toml --key body.0.mass_kg --values 0.1,-1",
-            &["--key body.0.mass_kg, value -1: ", "greater than 0"],
+            "sweep fig2.toml --over body.0.mass_kg --values 0.1,-1",
+            &["--over body.0.mass_kg, value -1: ", "greater than 0"],
         ),
         (
-            "sweep fig2.toml --key body.0.fixed --values 1",
-            &["--key body.0.fixed, value 1: ", "expected a boolean"],
+            "sweep fig2.toml --over body.0.fixed --values 1",
+            &["--over body.0.fixed, value 1: ", "expected a boolean"],
         ),
         (
-            "sweep fig2.toml --key loop.period_s --from 0 --to 1 --steps 3 --log",
+            "sweep fig2.toml --over loop.period_s --from 0 --to 1 --steps 3 --log",
             &["--from 0 --to 1", "with --log be above 0"],
         ),
         (
-            "sweep world.toml --key body.block.mass_kg --values 0.1 --heights",
-            &["--heights: world.toml is a world"],
+            "sweep world.toml --over body.block.mass_kg --values 0.1 --collisions 3",
+            &["--collisions: world.toml is a world"],
+        ),
+        (
+            "sweep world.toml --over body.block.mass_kg --values 0.1 --columns any.toml",
+            &["--columns: world.toml is a world", "[methods.NAME]"],
+        ),
+        (
+            "sweep fig2.toml --over body.0.mass_kg --values 0.1 --and mass",
+            &["--and-values"],
         ),
     ] {
         folder.fail(command, 2, words);
@@ -112,7 +121,7 @@ fn a_recording_has_the_edited_scene_and_a_replay_edits_it() {
 #[test]
 fn a_sweep_over_a_key_has_the_results_of_each_value_alone() {
     let folder = folder();
-    let sweep = "sweep fig2.toml --key contact.stiffness_n_per_m --from 50 --to 200 --steps 3 --log \
+    let sweep = "sweep fig2.toml --over contact.stiffness_n_per_m --from 50 --to 200 --steps 3 --log \
                  --method basic,coupled --out k.csv --plot k.svg";
     let report = folder.json(sweep);
     let values = report["values"].as_array().unwrap();
@@ -132,15 +141,65 @@ fn a_sweep_over_a_key_has_the_results_of_each_value_alone() {
     }
     let table = folder.read("k.csv");
     assert_eq!(table.lines().count(), 1 + 3 * 2, "{table}");
-    assert!(table.starts_with("over,value,column,method,"), "{table}");
+    assert!(
+        table.starts_with("over,value,and,and_value,column,method,"),
+        "{table}"
+    );
     assert!(folder.read("k.svg").contains("contact.stiffness_n_per_m"));
 
     let worlds =
-        folder.json("sweep world.toml --key body.block.mass_kg --values 0.1,0.2 --method basic");
+        folder.json("sweep world.toml --over body.block.mass_kg --values 0.1,0.2 --method basic");
     let alone = folder.json("simulate world.toml --method basic --set body.block.mass_kg=0.2");
     assert_eq!(
         worlds["values"][1]["columns"][0]["mean_force_error_percent"],
         alone["methods"][0]["sum"]["mean_force_error_percent"]
+    );
+}
+
+/// A map of a world over two quantities has the results of the edited scenes, and start heights around each.
+#[test]
+fn a_world_is_swept_over_quantities_pairs_and_start_heights() {
+    let folder = folder();
+    let map = folder.json(
+        "sweep world.toml --over stiffness --values 0.5,1 --and body.block.mass_kg --and-values 0.1,0.2 --method \
+         basic --out map.csv --plot map.svg",
+    );
+    assert_eq!(map["and"], "body.block.mass_kg");
+    let values = map["values"].as_array().unwrap();
+    assert_eq!((values.len(), &values[3]["and_value"]), (4, &0.2.into()));
+    let error = |report: &Value| report["columns"][0]["mean_force_error_percent"].clone();
+    let alone = folder.json("simulate world.toml --method basic --set body.block.mass_kg=0.2");
+    assert_eq!(
+        error(&values[3]),
+        alone["methods"][0]["sum"]["mean_force_error_percent"]
+    );
+    assert_ne!(error(&values[1]), error(&values[3]));
+    assert_eq!(folder.read("map.csv").lines().count(), 5);
+    assert!(folder.read("map.svg").contains("body.block.mass_kg 0.2"));
+
+    let heights = folder.json("paper heights world.toml --method basic");
+    let of = &heights["scenes"][0]["columns"][0]["mean_force_error_percent"];
+    assert_eq!(
+        of["own"],
+        folder.json("simulate world.toml --method basic")["methods"][0]["sum"]["mean_force_error_percent"]
+    );
+    assert!(of["worst"].as_f64() > of["median"].as_f64(), "{of}");
+    let swept = folder.json("sweep world.toml --over mass --values 1 --heights --method basic");
+    let column = &swept["values"][0]["columns"][0];
+    assert_eq!(
+        column["worst_force_rendering_error_percent"],
+        heights["scenes"][0]["columns"][0]["force_rendering_error_over_heights_percent"]["worst"]
+    );
+    folder.fail(
+        "sweep world.toml --over box --values 0.1",
+        3,
+        &["pantograph has a safety box"],
+    );
+    let at_the_body = "--set device.0.position_m.0=-0.024";
+    folder.fail(
+        &format!("paper heights world.toml --method basic {at_the_body}"),
+        3,
+        &["no start height to vary"],
     );
 }
 

@@ -301,8 +301,20 @@ fn guard_flags_have_ranges_and_belong_together() {
             "--guard-recovery is -1 W, but must be finite and not below 0",
         ),
         (
+            "--guard limit --guard-hand-force 0",
+            "--guard-hand-force is 0 N, but must be finite and greater than 0",
+        ),
+        (
+            "--guard limit --guard-hand-force 8 --guard-acceleration 80",
+            "cannot be used with",
+        ),
+        (
             "--guard limit --guard-mass 0.1",
-            "--guard-acceleration <m/s^2>",
+            "--guard-acceleration <m/s^2>|--guard-hand-force <N>",
+        ),
+        (
+            "--guard limit --guard-learn-mass",
+            "--guard-acceleration <m/s^2>|--guard-hand-force <N>",
         ),
         ("--guard-recovery 0", "--guard <MODE>"),
     ] {

@@ -79,6 +79,47 @@ fn every_tick_of_every_method_is_the_library_s_bit_for_bit() {
     assert_eq!(row, run.len());
 }
 
+/// A column has the virtual force of each sample. A constant one is --force, and the ideal has it too.
+#[test]
+fn each_sample_may_have_a_virtual_force() {
+    let folder = with_taps();
+    let with_force = |force: &dyn Fn(usize) -> f64| {
+        let mut text = "t_s,position_m,virtual_force_n\n".to_owned();
+        for (i, (time, position)) in taps(0.001, 1.5).into_iter().enumerate() {
+            text += &format!("{time:?},{position:?},{:?}\n", force(i));
+        }
+        text
+    };
+    folder.write("constant.csv", with_force(&|_| -0.981));
+    let flags = FLAGS.replace("--force -0.981", "--force 0");
+    let methods =
+        |command: &str| folder.json(&format!("{command} --method coupled,hfcr"))["methods"].clone();
+    let constant = methods(&format!("render tap.csv {FLAGS}"));
+    assert_eq!(methods(&format!("render constant.csv {flags}")), constant);
+    // 0.2 N on 0.1 kg for 10 ms: 0.1 mm, far from the device.
+    let pushed = with_force(&|i| if i < 10 { 0.2 } else { 0.0 });
+    folder.write("pushed.csv", pushed);
+    let far = flags.replace("--object-position 0", "--object-position 0.5");
+    folder.succeed(&format!(
+        "render pushed.csv {far} --method hfcr --out run.csv"
+    ));
+    let run = folder.run_file("run.csv");
+    let object = run.numbers("object_position_m").unwrap();
+    for (found, expected) in object.iter().zip([0.5, 0.5001, 0.5003]) {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+    folder.fail(
+        &format!("render constant.csv {flags} --replay hand --device-mass 0.2"),
+        3,
+        &["virtual_force_n", "--replay motion"],
+    );
+    folder.write(
+        "infinite.csv",
+        "t_s,position_m,virtual_force_n\n0,0,0\n0.01,0,inf\n0.02,0,0\n",
+    );
+    folder.fail(&format!("render infinite.csv {flags}"), 3, &["inf"]);
+}
+
 #[test]
 fn the_leaks_are_those_of_the_intervals_before_the_sample() {
     // Into a wall at 10 mm per sample, a force held from the previous sample is K d too small at the end of the

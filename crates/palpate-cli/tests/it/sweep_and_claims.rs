@@ -109,7 +109,7 @@ fn a_sweep_of_what_is_not_there_says_so() {
         3,
         &["damping -1", "not below 0 N s/m"],
     );
-    fails("--over mass --values 1", 2, &["friction, box, damping"]);
+    fails("--over weight --values 1", 2, &["friction, box, damping"]);
     fails("--over box --values 1,x", 2, &["a number is needed"]);
     fails("--over box", 2, &["--values"]);
 }

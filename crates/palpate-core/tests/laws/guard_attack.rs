@@ -2,7 +2,7 @@
 
 use palpate_core::{
     Actuation, AnyRenderer, BasicParams, Contact, CoupledParams, Guard, GuardParams, HandBound,
-    LoopParams, Mass, ObjectState, Renderer, Sample,
+    HandLimit, LoopParams, Mass, ObjectState, Renderer, Sample,
 };
 
 use crate::common::{Random, methods};
@@ -77,6 +77,7 @@ impl Target {
         random: &mut Random,
         method: palpate_core::AnyParams<f64>,
         (kind, recovery): (usize, f64),
+        hand: HandBound<f64>,
     ) -> Self {
         let period = 1.0 / (50.0 * 80f64.powf(random.between(0.0, 1.0)));
         let stiffness = 1e3 * 100f64.powf(random.between(0.0, 1.0));
@@ -114,10 +115,7 @@ impl Target {
             allowance: ALLOWANCE,
             quantum,
             recovery,
-            hand: Some(HandBound {
-                acceleration: ACCELERATION,
-                least_mass: LEAST_MASS,
-            }),
+            hand: Some(hand),
         });
         let loop_params = LoopParams {
             actuation,
@@ -153,9 +151,12 @@ impl Target {
         let (mut commands, mut begun) = ([(0.0, 0.0); LENGTH], 0);
         let (mut aim, mut available, mut put_in) = (0.0, 0.0f64, 0.0);
         let (mut worst, mut object, mut beyond) = (f64::NEG_INFINITY, attack.gap, 0);
-        let recovery = match self.renderer.loop_params().guard {
-            Guard::Limit(params) => params.recovery,
-            _ => 0.0,
+        let (recovery, is_force) = match self.renderer.loop_params().guard {
+            Guard::Limit(params) => {
+                let limit = params.hand.map(|hand| hand.limit);
+                (params.recovery, matches!(limit, Some(HandLimit::Force(_))))
+            }
+            _ => (0.0, false),
         };
         for i in 0..LENGTH {
             let seen = if self.quantum > 0.0 {
@@ -185,7 +186,10 @@ impl Target {
                     if begun <= i && begins(begun) < end - 1e-9 * self.period {
                         until = begins(begun);
                     }
-                    let acceleration = attack.accelerations[i * PARTS + part];
+                    let mut acceleration = attack.accelerations[i * PARTS + part];
+                    if is_force {
+                        acceleration *= LEAST_MASS / attack.mass;
+                    }
                     device.moves(attack.mass, acceleration, aim, lag, until - now);
                     now = until;
                     if device.velocity.abs() > SPEED {
@@ -274,8 +278,10 @@ fn attacks() -> usize {
     std::env::var("PALPATE_ATTACKS").map_or(1, |count| count.parse().unwrap())
 }
 
-#[test]
-fn hand_within_acceleration_bound_takes_no_more_than_allowance() {
+const HAND: HandBound<f64> = HandBound::from_acceleration(ACCELERATION, LEAST_MASS);
+
+/// Attacks every method under a hand's bound; returns the largest energy `[J]`, and fails if it exceeds the allowance.
+fn attacked_by_all(hand: HandBound<f64>) -> f64 {
     let mut random = Random(5);
     let mut most = f64::NEG_INFINITY;
     let mut over = Vec::new();
@@ -283,7 +289,7 @@ fn hand_within_acceleration_bound_takes_no_more_than_allowance() {
         let mut by_method = f64::NEG_INFINITY;
         for number in 0..10 * attacks() {
             let recovery = if number % 20 < 10 { 0.0 } else { 0.01 };
-            let target = Target::random(&mut random, method, (number, recovery));
+            let target = Target::random(&mut random, method, (number, recovery), hand);
             let (taken, beyond) = target.attacked(&mut random, number / 10, 60);
             if taken > ALLOWANCE * (1.0 + 1e-9) || beyond > 0 {
                 over.push(format!(
@@ -300,8 +306,63 @@ fn hand_within_acceleration_bound_takes_no_more_than_allowance() {
         most = most.max(by_method);
     }
     assert!(over.is_empty(), "{} over:\n{}", over.len(), over.join("\n"));
+    most
+}
+
+#[test]
+fn hand_within_acceleration_bound_takes_no_more_than_allowance() {
+    let most = attacked_by_all(HAND);
     // The bound is reached, so the guard is not too strict.
     assert!(most > 0.8 * ALLOWANCE, "{most} J");
+}
+
+#[test]
+fn hand_takes_no_more_from_a_guard_that_learns_its_mass() {
+    let most = attacked_by_all(HAND.learning_mass());
+    assert!(most > 0.8 * ALLOWANCE, "{most} J");
+}
+
+/// The force of the adversary is within the bound for every mass from the least one up.
+#[test]
+fn hand_of_a_largest_force_takes_no_more_than_allowance() {
+    let hand = HandBound::from_force(ACCELERATION * LEAST_MASS, LEAST_MASS);
+    let most = attacked_by_all(hand.learning_mass());
+    assert!(most > 0.8 * ALLOWANCE, "{most} J");
+}
+
+/// A device of four times the least mass strikes a wall: its motion shows the mass, so the guard acts less often.
+#[test]
+fn a_mass_that_the_motion_shows_raises_the_forces() {
+    let limited = |hand: HandBound<f64>| {
+        let guard = Guard::Limit(GuardParams {
+            hand: Some(hand),
+            ..GuardParams::by_speed(SPEED, ALLOWANCE)
+        });
+        let (period, mass) = (1e-3, 4.0 * LEAST_MASS);
+        let loop_params = LoopParams {
+            guard,
+            ..LoopParams::new(period)
+        };
+        let contact = Contact::wall(100_000.0);
+        let renderer = Renderer::new(contact, loop_params, CoupledParams::new(mass)).unwrap();
+        let mut state = renderer.start(ObjectState::at_rest(0.0)).unwrap();
+        let (mut x, mut v, mut limited) = (-0.002, 0.3, 0);
+        for _ in 0..400 {
+            let output = renderer.step(&mut state, Sample::at(x));
+            assert!(!output.limited.beyond_guard);
+            limited += u32::from(output.limited.guard);
+            // 5 N return it to the wall.
+            let gained = (5.0 - output.force_on_object) / mass;
+            x += v * period + 0.5 * gained * period * period;
+            v += gained * period;
+        }
+        limited
+    };
+    for hand in [HAND, HandBound::from_force(10.0, LEAST_MASS)] {
+        let [told, shown] = [hand, hand.learning_mass()].map(limited);
+        println!("{told} limited, {shown} with the mass that the motion shows");
+        assert!(shown < told, "{shown} of {told}");
+    }
 }
 
 /// Pressed wall at 1 kHz: a device of this mass, a push, and a hand without more damping than stated.
@@ -372,10 +433,7 @@ fn limits(allowance: f64, quantum: f64) -> Guard<f64> {
         allowance,
         quantum,
         recovery: if quantum > 0.0 { 0.02 } else { 0.0 },
-        hand: Some(HandBound {
-            acceleration: ACCELERATION,
-            least_mass: LEAST_MASS,
-        }),
+        hand: Some(HandBound::from_acceleration(ACCELERATION, LEAST_MASS)),
     })
 }
 

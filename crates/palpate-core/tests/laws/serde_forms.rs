@@ -51,10 +51,7 @@ fn every_parameter_type_comes_back_from_json_and_toml() {
             allowance: 1e-3,
             quantum: 1e-5,
             recovery: 0.01,
-            hand: Some(HandBound {
-                acceleration: 80.0,
-                least_mass: 0.1,
-            }),
+            hand: Some(HandBound::from_force(8.0, 0.1)),
         }),
     });
     comes_back(Actuation::after(0.0005).with_line());

@@ -2,7 +2,6 @@
 
 use crate::figure::{Dot, DotFigure, DotPanel};
 use palpate_study::compare::{Comparison, MethodRow, Outcome, SceneRows};
-use palpate_study::world::compare::{WorldComparison, WorldOutcome, WorldRow, WorldRows};
 
 /// FRE above which a dot is drawn at the edge `[%]`: the force is unusable in any case.
 const LARGEST: f64 = 1000.0;
@@ -36,12 +35,12 @@ impl<'a> ComparedScene<'a> {
         let of_method = |method: &MethodRow| {
             let run = match &method.result {
                 Outcome::Ran(run) => Some(run),
-                Outcome::Cannot { .. } => None,
+                Outcome::Cannot { .. } | Outcome::NoneFound { .. } => None,
             };
             ComparedMethod {
                 name: method.method,
                 error: run.and_then(|run| run.force_rendering_error_percent),
-                holds_together: run.is_some_and(|run| run.is_whole()),
+                holds_together: run.is_some_and(|run| run.is_whole),
                 ran: run.is_some(),
             }
         };
@@ -56,38 +55,11 @@ impl<'a> ComparedScene<'a> {
 /// Returns the figure of the force errors of a comparison.
 pub fn compared(comparison: &Comparison) -> DotFigure {
     let scenes: Vec<_> = comparison.scenes.iter().map(ComparedScene::new).collect();
-    figure(&scenes)
-}
-
-/// Returns the figure of the force errors of a comparison of worlds.
-#[must_use]
-pub fn compared_worlds(comparison: &WorldComparison) -> DotFigure {
-    let of_scene = |scene| {
-        let scene: &WorldRows = scene;
-        ComparedScene {
-            title: &scene.title,
-            hold_bound: scene.hold_bound_percent,
-            methods: scene.methods.iter().map(of_world).collect(),
-        }
-    };
-    let scenes: Vec<_> = comparison.scenes.iter().map(of_scene).collect();
-    DotFigure {
-        ring_label: "refused samples or diverged".into(),
-        ..figure(&scenes)
+    let mut figure = figure(&scenes);
+    if comparison.scenes.iter().any(|scene| scene.is_world) {
+        figure.ring_label += ", or refused samples";
     }
-}
-
-fn of_world(method: &WorldRow) -> ComparedMethod {
-    let run = match &method.result {
-        WorldOutcome::Ran(run) => Some(run),
-        WorldOutcome::Cannot { .. } | WorldOutcome::NoneFound { .. } => None,
-    };
-    ComparedMethod {
-        name: method.method,
-        error: run.and_then(|run| run.force_rendering_error_percent),
-        holds_together: run.is_some_and(|run| run.is_whole()),
-        ran: run.is_some(),
-    }
+    figure
 }
 
 /// Returns a figure with one panel per scene and one line per method.

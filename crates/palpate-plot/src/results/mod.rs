@@ -22,7 +22,7 @@ mod world;
 
 pub use advice::{advice, shown_of};
 pub use calibration::{calibration, motion};
-pub use compared::{compared, compared_worlds};
+pub use compared::compared;
 pub use experiment::method_by_method;
 pub use runs::{Devices, RunsFigure};
 pub use steps::step_by_step;

@@ -2,7 +2,8 @@
 
 use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use palpate_study::text::{digits, percent};
-use palpate_study::tune::report::{PointReport, SpreadReport, TuneReport};
+use palpate_study::tune::Spread;
+use palpate_study::tune::report::{PointReport, TuneReport};
 
 /// Returns the curves of a report over the values, with the chosen value.
 #[must_use]
@@ -21,7 +22,7 @@ pub fn tune(report: &TuneReport) -> Figure {
     };
     let best = report.best.value_n_s_per_m;
     let chosen = format!("chosen: {} N s/m", digits(best));
-    let row = |y_label: &str, of: &dyn Fn(&PointReport) -> SpreadReport| {
+    let row = |y_label: &str, of: &dyn Fn(&PointReport) -> Spread| {
         let mut all = vec![
             series(1, "own height", &|point| of(point).own),
             series(2, "worst height", &|point| of(point).worst),
@@ -76,7 +77,7 @@ pub fn tune(report: &TuneReport) -> Figure {
             row("error E [%]", &|point| point.mean_force_error_percent),
             row("sum of leaks [mJ]", &|point| {
                 let leak = point.absolute_leak_j;
-                SpreadReport {
+                Spread {
                     own: 1e3 * leak.own,
                     median: 1e3 * leak.median,
                     worst: 1e3 * leak.worst,

@@ -44,6 +44,9 @@ part_of_row! {
     delivered_force: [f64; 3], "N", several,
         "held force on this device, as the device reports it; 0 if it refused the command",
         "delivered_force_1_n" @ 0, "delivered_force_2_n" @ 1, "delivered_force_3_n" @ 2;
+    delivered_slope: [f64; 3], "N/s", several,
+        "slope of the held force on this device, whose mean is the delivered force; 0 for a constant",
+        "delivered_slope_1_n_per_s" @ 0, "delivered_slope_2_n_per_s" @ 1, "delivered_slope_3_n_per_s" @ 2;
     delivered_torque: [f64; 3], "N m", several,
         "held torque on this device, as the device reports it; 0 if it refused the command",
         "delivered_torque_1_n_m" @ 0, "delivered_torque_2_n_m" @ 1, "delivered_torque_3_n_m" @ 2;

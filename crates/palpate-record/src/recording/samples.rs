@@ -71,6 +71,7 @@ pub fn device(sequence: u64, device: u32) -> DeviceTick {
         commanded_force: three(80),
         commanded_torque: three(83),
         delivered_force: three(86),
+        delivered_slope: three(92),
         delivered_torque: three(89),
     }
 }

@@ -351,7 +351,7 @@ fn a_table_without_a_header_keeps_its_first_sample() {
 
 #[test]
 fn forces_are_those_of_the_part() {
-    let text = "force_on_device_n,t_s,position_m\n-1,0,0\n-2,1,0\n-3,2,0\n-4,3,0\n";
+    let text = "force_on_device_n,t_s,virtual_force_n,position_m\n-1,0,5,0\n-2,1,6,0\n-3,2,7,0\n-4,3,8,0\n";
     let part = Part {
         from: 1.0,
         to: 2.0,
@@ -359,6 +359,11 @@ fn forces_are_those_of_the_part() {
     };
     let held = read_part(text.as_bytes(), "hand.csv", &part, &Layout::default()).unwrap();
     assert_eq!(held.force_on_device_n.unwrap(), [-2.0, -3.0]);
+    assert_eq!(held.virtual_force_n.unwrap(), [6.0, 7.0]);
+    let alone = text.replace("force_on_device_n,", "other,");
+    let held = read_part(alone.as_bytes(), "hand.csv", &part, &Layout::default()).unwrap();
+    assert_eq!(held.force_on_device_n, None);
+    assert_eq!(held.virtual_force_n.unwrap(), [6.0, 7.0]);
 }
 
 #[test]

@@ -21,6 +21,7 @@ fn devices(sequence: u64, number: u32) -> Vec<DeviceTick> {
             commanded_force: three(10),
             commanded_torque: three(13),
             delivered_force: three(16),
+            delivered_slope: three(22),
             delivered_torque: three(19),
         }
     };

@@ -309,7 +309,8 @@ impl Renders for ChangingWorld {
             let before = self.asked_before.get(device).filter(|_| is_compared);
             before.map(|before| before.wrench)
         };
-        if self.fade.answer(wanted, as_before, elapsed, &mut self.held) {
+        let is_fading = self.fade.answer(wanted, as_before, elapsed, &mut self.held);
+        if is_fading {
             self.world.keep_within(&mut self.held);
         }
         if !self.fade.is_settling()
@@ -318,12 +319,16 @@ impl Renders for ChangingWorld {
             self.disable_output(before);
         }
         let lines = self.asked.iter().zip(&self.asked_before).zip(&self.held);
-        for (asked, ((now, before), held)) in asked.iter_mut().zip(lines) {
-            let slope = match (is_settling, is_compared) {
+        for (device, (asked, ((now, before), held))) in asked.iter_mut().zip(lines).enumerate() {
+            let mut slope = match (is_settling, is_compared) {
                 (false, _) => now.slope,
                 (true, true) => before.slope,
                 (true, false) => [0.0; 3],
             };
+            if is_fading {
+                self.world
+                    .keep_slope_within(device, &held.force, &mut slope);
+            }
             *asked = Line {
                 slope,
                 ..(*held).into()

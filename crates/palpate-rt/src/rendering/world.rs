@@ -160,6 +160,11 @@ impl RenderedWorld {
         self.limited = self.limited.and(limited);
     }
 
+    /// Bounds the slope `[N/s]` of a line whose `mean` `[N]` was kept within the limits of the world's loop.
+    pub(super) fn keep_slope_within(&mut self, device: usize, mean: &Vector, slope: &mut Vector) {
+        self.limited.force |= self.renderer.keep_slope_within(device, mean, slope);
+    }
+
     /// Reports the line sent to a device or held by it, in the axes of the device, to the renderer.
     fn report(&mut self, device: usize, line: Line) {
         let Some(frame) = self.frames.get(device) else {

@@ -12,7 +12,6 @@ mod safety_stop;
 mod supervisor;
 
 pub use oscillation::OscillationParams;
-pub(crate) use params::check_value;
 pub use params::{SafetyError, SafetyParams};
 pub use recoveries::RecoveryParams;
 pub use safety_stop::SafetyStop;

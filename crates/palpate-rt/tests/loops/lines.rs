@@ -11,7 +11,7 @@ use palpate_record::recording::{Row, Tick};
 use palpate_rt::safety::{Rendered, Safety, SafetyParams, SafetyStop};
 use palpate_rt::{
     BoundedWorld, ControlLoop, DeviceSample, DeviceSamples, RenderedWorld, Renders, SetupError,
-    WorldFrame,
+    WorldFrame, changing_world,
 };
 use palpate_scene::method::MethodName;
 use palpate_scene::world::{WorldFile, WorldScene};
@@ -490,4 +490,100 @@ fn a_bounded_world_gives_the_slopes_of_the_renderer_within_the_limit() {
     assert!(longest <= 3.0 + 1e-9, "{longest}");
     let refused = BoundedWorld::of_constants(renderer, wide()).unwrap_err();
     assert!(refused.to_string().contains("set loop.hold"), "{refused}");
+}
+
+/// Returns the largest end `[N]` and slope `[N/s]` of the lines that a world gives a tool, which moves in a groove while
+/// the contacts change.
+fn largest_end_of_a_change(
+    scene: &WorldScene,
+    mut step: impl FnMut(Change<'_>) -> Line,
+) -> (f64, f64) {
+    let (mut longest, mut steepest): (f64, f64) = (0.0, 0.0);
+    for tick in 0..900 {
+        if tick % 150 == 60 {
+            let mut other = scene.clone();
+            for contact in &mut other.world.contacts {
+                contact.law.stiffness *= if tick % 300 == 60 { 0.3 } else { 1.0 };
+            }
+            step(Change::World(&other));
+        }
+        let sway = (0.4 * f64::from(tick)).sin();
+        let line = step(Change::Place([2e-4 * sway, 0.0, -2e-4 + 4e-4 * sway]));
+        for side in [-0.5e-3, 0.5e-3] {
+            let end = (0..3).map(|axis| line.wrench.force[axis] + side * line.slope[axis]);
+            longest = longest.max(end.map(|x| x * x).sum::<f64>().sqrt());
+        }
+        steepest = line
+            .slope
+            .iter()
+            .fold(steepest, |most, x| most.max(x.abs()));
+    }
+    (longest, steepest)
+}
+
+/// What happens to a world: a sample of its tool `[m]`, or a change of its contacts.
+enum Change<'a> {
+    Place([f64; 3]),
+    World(&'a WorldScene),
+}
+
+#[test]
+fn the_ends_of_the_lines_of_a_change_are_within_the_limit_of_the_world() {
+    let mut scene = line_world("groove-90-rough.toml", "");
+    const LIMIT: f64 = 2.0;
+    scene.render.force_limit = Some(LIMIT);
+    let renderer = scene.renderer("coupled").unwrap();
+    let limits = SafetyParams {
+        soft_start: 0.0,
+        ..wide()
+    };
+    let mut bounded = BoundedWorld::new(renderer.clone(), limits).unwrap();
+    let of_bounded = largest_end_of_a_change(&scene, |change| match change {
+        Change::World(other) => {
+            bounded.change(&other.world).unwrap();
+            Line::NONE
+        }
+        Change::Place(position) => {
+            let held = bounded.step(&Sample::at(&[position]));
+            Line {
+                slope: held.slopes[0],
+                ..held.wrenches[0].into()
+            }
+        }
+    });
+    let frame = WorldFrame::the_same();
+    let rendered = |scene: &WorldScene| {
+        let renderer = scene.renderer("coupled").unwrap();
+        RenderedWorld::new(&scene.world, renderer, "coupled", frame).unwrap()
+    };
+    let (mut worlds, mut changing) = changing_world(scene.world.clone(), rendered(&scene));
+    let mut asked = [Line::NONE];
+    let of_changing = largest_end_of_a_change(&scene, |change| {
+        match change {
+            Change::World(other) => {
+                let world = rendered(other);
+                worlds.change(other.world.clone(), world).unwrap();
+                changing.take_other_world();
+            }
+            Change::Place(position) => {
+                let sample = DeviceSample {
+                    position,
+                    ..DeviceSample::default()
+                };
+                let samples = DeviceSamples {
+                    elapsed: Some(0.001),
+                    was_off: false,
+                    devices: &[sample],
+                };
+                changing.step(&samples, &mut asked);
+                changing.report_written(0, asked[0], None);
+            }
+        }
+        asked[0]
+    });
+    for (longest, steepest) in [of_bounded, of_changing] {
+        println!("ends of {longest} N, {steepest} N/s");
+        assert!(steepest > 100.0, "{steepest}");
+        assert!(longest <= LIMIT + 1e-9, "{longest}");
+    }
 }

@@ -22,11 +22,11 @@ use crate::fault::{Places, SceneError, SceneErrors, Span};
 use crate::model::RawModel;
 use crate::one_contact::NotOneContact;
 use crate::parameter::SceneParameter;
-use crate::period_question;
 use crate::raw::{RawBody, RawScene};
 use crate::scene_file::Tables;
 use crate::source::Source;
 use crate::timing::RawLoop;
+use crate::{lag_question, period_question};
 
 /// Default duration of a world `[s]`.
 const DURATION: f64 = 0.5;
@@ -249,6 +249,7 @@ impl Reading {
         }
         let lag = raw.lag_s.clone();
         let lag = lag.map_or(0.0, |lag| self.number("lag_s", lag, Range::NotNegative));
+        (self.notes).extend(lag_question("loop.lag_s", "lag_s = 0.001", lag));
         let gain = raw.gain.clone();
         let gain = gain.map_or(1.0, |gain| self.number("gain", gain, Range::Positive));
         let mut places = Places::<SceneParameter>::default();

@@ -1,8 +1,9 @@
 //! Bound on the energy output of a world's forces, as read from a file.
 
-use palpate_core::Range;
+use palpate_core::{HandLimit, Range};
 use palpate_world::{
-    LARGEST, Tool, Vector, WorldField, WorldGuard, WorldGuardParams, WorldHandBound, WorldPart,
+    LARGEST, Tool, Vector, WorldField, WorldGuard, WorldGuardParams, WorldHandBound,
+    WorldHandLimit, WorldPart,
 };
 use toml::Spanned;
 
@@ -37,13 +38,20 @@ pub fn usual_guard() -> WorldGuardParams {
     }
 }
 
-/// Returns the bound on an acceleration `[m/s^2]` whose other values are those of the devices
-/// ([`WorldScene::guard_of_devices`]).
+/// Returns the bound of a hand whose other values are those of the devices ([`WorldScene::guard_of_devices`]).
 #[must_use]
-pub fn hand_guard(acceleration: f64) -> WorldHandBound {
+pub fn hand_guard(limit: HandLimit<f64>) -> WorldHandBound {
     WorldHandBound {
-        acceleration,
-        turning: OF_DEVICE,
+        limit: match limit {
+            HandLimit::Acceleration(linear) => WorldHandLimit::Acceleration {
+                linear,
+                angular: OF_DEVICE,
+            },
+            HandLimit::Force(force) => WorldHandLimit::Force {
+                force,
+                torque: OF_DEVICE,
+            },
+        },
         least_mass: [OF_DEVICE; 3],
         least_inertia: OF_DEVICE,
     }
@@ -107,10 +115,20 @@ impl WorldScene {
         let inertia = self.render.device_inertia.iter().flatten().flatten();
         let inertia = inertia.copied().fold(f64::INFINITY, f64::min);
         let turns = self.devices.iter().any(|device| device.turning.is_some());
+        // The renderer rejects 0: no device determines it.
+        let of_turning = if turns { 0.0 } else { 1.0 };
         let or = |given: f64, otherwise: f64| if given == OF_DEVICE { otherwise } else { given };
         WorldHandBound {
-            // The renderer rejects 0: no device determines it.
-            turning: or(hand.turning, if turns { 0.0 } else { 1.0 }),
+            limit: match hand.limit {
+                WorldHandLimit::Acceleration { linear, angular } => WorldHandLimit::Acceleration {
+                    linear,
+                    angular: or(angular, of_turning),
+                },
+                WorldHandLimit::Force { force, torque } => WorldHandLimit::Force {
+                    force,
+                    torque: or(torque, of_turning),
+                },
+            },
             least_mass: [0, 1, 2].map(|axis| or(hand.least_mass[axis], half_of(mass[axis]))),
             least_inertia: or(hand.least_inertia, half_of(inertia)),
             ..hand
@@ -131,32 +149,82 @@ fn along_world(tool: &Tool, model: &Vector) -> Vector {
 }
 
 impl Reading {
+    /// Rejects keys of the hand that exclude or miss each other.
+    fn refuse_hand(&mut self, raw: &RawGuard, turns: bool) {
+        let (acceleration, force) = (&raw.acceleration_m_per_s2, &raw.hand_force_n);
+        let angular = &raw.turning_acceleration_rad_per_s2;
+        let torque = &raw.hand_torque_n_m;
+        let turned = "turning_acceleration_rad_per_s2, because a device turns";
+        let either = "acceleration_m_per_s2 or hand_force_n";
+        let is_still = !turns;
+        let rules = [
+            (
+                "acceleration_m_per_s2",
+                acceleration,
+                is_still || angular.is_some(),
+                "needs",
+                turned,
+            ),
+            (
+                "hand_force_n",
+                force,
+                is_still || torque.is_some(),
+                "needs",
+                "hand_torque_n_m, because a device turns",
+            ),
+            (
+                "hand_force_n",
+                force,
+                acceleration.is_none(),
+                "excludes",
+                "acceleration_m_per_s2; remove one",
+            ),
+            (
+                "turning_acceleration_rad_per_s2",
+                angular,
+                acceleration.is_some(),
+                "needs",
+                "acceleration_m_per_s2",
+            ),
+            (
+                "hand_torque_n_m",
+                torque,
+                force.is_some(),
+                "needs",
+                "hand_force_n",
+            ),
+            (
+                "least_mass_kg",
+                &raw.least_mass_kg,
+                acceleration.is_some() || force.is_some(),
+                "needs",
+                either,
+            ),
+            (
+                "least_inertia_kg_m2",
+                &raw.least_inertia_kg_m2,
+                acceleration.is_some() || force.is_some(),
+                "needs",
+                either,
+            ),
+        ];
+        if let Some(learned) = &raw.learn_mass {
+            let message = "render.guard.learn_mass is for one contact along one axis; remove it";
+            self.fault(learned.span(), message);
+        }
+        for (key, value, is_right, verb, other) in rules {
+            if let Some(value) = value
+                && !is_right
+            {
+                self.fault(value.span(), format!("render.guard.{key} {verb} {other}"));
+            }
+        }
+    }
+
     pub(super) fn guard(&mut self, raw: RawGuard, devices: &[WorldDevice]) -> WorldGuard {
         let usual = usual_guard();
         let turns = devices.iter().any(|device| device.turning.is_some());
-        if let Some(acceleration) = &raw.acceleration_m_per_s2
-            && turns
-            && raw.turning_acceleration_rad_per_s2.is_none()
-        {
-            let message = "render.guard.acceleration_m_per_s2 needs turning_acceleration_rad_per_s2, because a device turns";
-            self.fault(acceleration.span(), message);
-        }
-        if raw.acceleration_m_per_s2.is_none() {
-            let keys = [
-                (
-                    "turning_acceleration_rad_per_s2",
-                    &raw.turning_acceleration_rad_per_s2,
-                ),
-                ("least_mass_kg", &raw.least_mass_kg),
-                ("least_inertia_kg_m2", &raw.least_inertia_kg_m2),
-            ];
-            for (key, value) in keys {
-                if let Some(value) = value {
-                    let message = format!("render.guard.{key} needs acceleration_m_per_s2");
-                    self.fault(value.span(), message);
-                }
-            }
-        }
+        self.refuse_hand(&raw, turns);
         let mut read = |key: &str, field, value: Option<Spanned<f64>>, range| {
             value.map(|value| {
                 let checked = self.number(key, value.clone(), range);
@@ -195,6 +263,18 @@ impl Reading {
             raw.acceleration_m_per_s2,
             positive,
         );
+        let force = read(
+            "hand_force_n",
+            WorldField::GuardHandForce,
+            raw.hand_force_n,
+            positive,
+        );
+        let torque = read(
+            "hand_torque_n_m",
+            WorldField::GuardHandTorque,
+            raw.hand_torque_n_m,
+            positive,
+        );
         let angular = read(
             "turning_acceleration_rad_per_s2",
             WorldField::GuardTurning,
@@ -213,11 +293,21 @@ impl Reading {
             raw.least_inertia_kg_m2,
             positive,
         );
-        let hand = acceleration.map(|acceleration| WorldHandBound {
-            turning: angular.unwrap_or(OF_DEVICE),
+        let limit = match (acceleration, force) {
+            (Some(linear), _) => Some(WorldHandLimit::Acceleration {
+                linear,
+                angular: angular.unwrap_or(OF_DEVICE),
+            }),
+            (None, Some(force)) => Some(WorldHandLimit::Force {
+                force,
+                torque: torque.unwrap_or(OF_DEVICE),
+            }),
+            (None, None) => None,
+        };
+        let hand = limit.map(|limit| WorldHandBound {
+            limit,
             least_mass: [mass.unwrap_or(OF_DEVICE); 3],
             least_inertia: inertia.unwrap_or(OF_DEVICE),
-            ..hand_guard(acceleration)
         });
         let params = WorldGuardParams {
             largest_speed: speed.unwrap_or(usual.largest_speed),

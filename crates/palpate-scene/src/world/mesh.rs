@@ -79,7 +79,10 @@ impl Unit {
 
 /// Factors beside the unit: one for all axes, or one for each. Below 0 they mirror.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "scale is one number, or three: scale = [1.0, 1.0, -1.0]"
+)]
 enum Scale {
     All(f64),
     Each(Vector),
@@ -389,13 +392,21 @@ fn triangles(path: &Path) -> Result<(gallery::Triangles, Option<String>), String
                 .map(|first| [first, first + 1, first + 2]);
             Ok(((file.triangles.concat(), faces.collect()), file.note))
         }
-        Some("obj") => obj::triangles(&bytes_of(path)?)
-            .map(|read| (read, None))
-            .map_err(at),
+        Some("obj") => obj::triangles(&bytes_of(path)?).map_err(at),
         _ => Err(at(
             "a mesh needs a file with the extension .stl or .obj".into()
         )),
     }
+}
+
+/// The text of a file, with line ends "\n". Bytes that are not UTF-8, such as those of names, are replaced.
+pub(super) fn text_of(bytes: &[u8]) -> Result<String, String> {
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return Err("its text is UTF-16; save it as UTF-8".into());
+    }
+    let text = String::from_utf8_lossy(bytes);
+    let text = text.trim_start_matches('\u{feff}');
+    Ok(text.replace("\r\n", "\n").replace('\r', "\n"))
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {

@@ -1,22 +1,49 @@
 //! Polygons of a Wavefront OBJ file.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use earcut::Earcut;
 use earcut::utils3d::project3d_to_2d;
 use palpate_testbed::world::mesh::gallery::Triangles;
 use palpate_world::Vector;
 
+/// First words of the lines that describe no surface, or one that other lines describe too.
+const NO_SURFACE: [&str; 20] = [
+    "vt",
+    "vn",
+    "vp",
+    "g",
+    "o",
+    "s",
+    "mg",
+    "usemtl",
+    "usemap",
+    "mtllib",
+    "maplib",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "lod",
+    "shadow_obj",
+    "trace_obj",
+    "p",
+    "l",
+    "end",
+];
+
 /// Contents of the `v` and `f` lines of a file: vertices of polygons, in the order of their first use, and triangles.
-/// The weight or the colour that a vertex may have is left out.
-pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, String> {
-    let text = String::from_utf8_lossy(bytes);
-    let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate();
+/// The weight or the colour that a vertex may have is left out. The note counts lines that are left out though they
+/// may describe a surface.
+pub(super) fn triangles(bytes: &[u8]) -> Result<(Triangles, Option<String>), String> {
+    let text = super::mesh::text_of(bytes)?;
+    let mut lines = text.lines().enumerate();
+    let mut left_out: BTreeMap<String, usize> = BTreeMap::new();
     let mut places: Vec<Vector> = Vec::new();
     let mut polygons: Vec<(usize, Vec<usize>)> = Vec::new();
     while let Some((number, line)) = lines.next() {
         let mut line = line.trim_end().to_owned();
-        while line.ends_with('\\') {
+        // A comment ends with its line, also if it ends with the "\\" of a path.
+        while line.ends_with('\\') && !line.contains('#') {
             line.pop();
             let Some((_, more)) = lines.next() else { break };
             line.push(' ');
@@ -38,8 +65,18 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, String> {
                 }
                 polygons.push((number + 1, corners));
             }
+            Some(word) if !NO_SURFACE.contains(&word) => {
+                *left_out.entry(word.to_owned()).or_default() += 1;
+            }
             _ => {}
         }
+    }
+    let note = left_out_in_words(&left_out);
+    if polygons.is_empty() {
+        let note = note.map_or(String::new(), |note| format!("; {note}"));
+        return Err(format!(
+            "no line of the file begins with \"f\", so it has no face{note}"
+        ));
     }
     let mut numbers = HashMap::new();
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
@@ -64,7 +101,25 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, String> {
         let cut = cut(&outline).map_err(|why| format!("line {line}: {why}"))?;
         faces.extend(cut.into_iter().map(|cut| cut.map(|k| own[k])));
     }
-    Ok((vertices, faces))
+    Ok(((vertices, faces), note))
+}
+
+/// Most kinds of lines that a note names.
+const MAX_NAMED: usize = 4;
+
+/// Describes the lines that are left out, by their first words and numbers.
+fn left_out_in_words(left_out: &BTreeMap<String, usize>) -> Option<String> {
+    let named = left_out.iter().take(MAX_NAMED);
+    let named = named.map(|(word, count)| {
+        let word: String = word.chars().take(12).collect();
+        format!("{word:?} ({count})")
+    });
+    let mut named: Vec<String> = named.collect();
+    if left_out.len() > MAX_NAMED {
+        named.push(format!("{} other words", left_out.len() - MAX_NAMED));
+    }
+    (!named.is_empty())
+        .then(|| format!("lines left out, by their first word: {}", named.join(", ")))
 }
 
 fn place<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vector, String> {

@@ -9,7 +9,7 @@ use super::mesh::{RawHull, RawMesh, ReadMesh};
 
 /// A shape by its name; lengths as one measures them, from side to side.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(rename = "shape", rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum RawShape {
     Sphere {
         radius_m: f64,

@@ -24,8 +24,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<ReadStl, String> {
     if needed == Some(bytes.len() as u64) {
         return Ok(binary(bytes, None));
     }
-    if is_text(bytes) {
-        return text(&String::from_utf8_lossy(bytes)).map(|triangles| ReadStl {
+    if bytes.starts_with(b"\xff\xfes\0") || bytes.starts_with(b"\xfe\xff\0s") || is_text(bytes) {
+        return text(&super::mesh::text_of(bytes)?).map(|triangles| ReadStl {
             triangles,
             note: None,
         });
@@ -66,7 +66,8 @@ fn binary(bytes: &[u8], note: Option<String>) -> ReadStl {
 /// contain zeros.
 fn is_text(bytes: &[u8]) -> bool {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut lines = text.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let lines = text.split(|byte| matches!(byte, b'\n' | b'\r'));
+    let mut lines = lines.map(<[u8]>::trim_ascii);
     let first = lines.find(|line| !line.is_empty() && !is_comment(line));
     let begins = first.and_then(|line| line.get(..b"solid".len()));
     begins.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !bytes.contains(&0)
@@ -82,7 +83,7 @@ fn text(text: &str) -> Result<Vec<[Vector; 3]>, String> {
     let mut triangles = Vec::new();
     let mut corners: Vec<Vector> = Vec::new();
     let mut is_in_solid = false;
-    for (number, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+    for (number, line) in text.lines().enumerate() {
         let line = line.trim();
         if is_comment(line.as_bytes()) {
             continue;
@@ -94,12 +95,13 @@ fn text(text: &str) -> Result<Vec<[Vector; 3]>, String> {
                 // The name of a solid is the rest of the line, or ends before its first facet there.
                 "solid" => {
                     is_in_solid = true;
-                    let is_facet = |two: &[&str]| {
-                        two[0].eq_ignore_ascii_case("facet")
-                            && two[1].eq_ignore_ascii_case("normal")
+                    let is_facet = |three: &[&str]| {
+                        three[0].eq_ignore_ascii_case("facet")
+                            && three[1].eq_ignore_ascii_case("normal")
+                            && is_number(three[2])
                     };
                     let rest: Vec<&str> = words.clone().collect();
-                    match rest.windows(2).position(is_facet) {
+                    match rest.windows(3).position(is_facet) {
                         Some(name) => words.by_ref().take(name).for_each(drop),
                         None => break,
                     }
@@ -144,12 +146,17 @@ fn text(text: &str) -> Result<Vec<[Vector; 3]>, String> {
 
 type Words<'a> = std::str::SplitWhitespace<'a>;
 
+/// Returns whether a word may be a number of a normal, also an unreadable one.
+fn is_number(word: &str) -> bool {
+    word.parse::<f64>().is_ok() || word.contains([',', '#'])
+}
+
 fn skip_numbers(words: Words<'_>) -> Words<'_> {
     let mut rest = words.clone();
     for _ in 0..3 {
         let mut next = rest.clone();
         match next.next() {
-            Some(word) if word.parse::<f64>().is_ok() || word.contains([',', '#']) => rest = next,
+            Some(word) if is_number(word) => rest = next,
             _ => break,
         }
     }
@@ -241,6 +248,11 @@ mod tests {
             format!("solid part\n{one_line}\nendsolid\n"),
             format!("solid part\n{FACET}endsolid part\n").to_ascii_uppercase(),
             format!("solid\r\n{}endsolid\r\n", FACET.replace('\n', "\r\n")),
+            format!(
+                "# by a program\rsolid part\r{}endsolid part\r",
+                FACET.replace('\n', "\r")
+            ),
+            format!("solid facet normal vertex\n{FACET}endsolid facet normal vertex\n"),
             format!("solid a\nendsolid a\nsolid b\n{FACET}endsolid b\n"),
             format!("solid\n{}endsolid\n", FACET.replace("0 0 1", "nan nan nan")),
             format!(
@@ -291,5 +303,9 @@ mod tests {
             let why = read(text.as_bytes()).unwrap_err();
             assert!(why.contains(words), "{why}");
         }
+        let units = whole.encode_utf16().flat_map(u16::to_le_bytes);
+        let wide: Vec<u8> = b"\xff\xfe".iter().copied().chain(units).collect();
+        let why = read(&wide).unwrap_err();
+        assert!(why.contains("save it as UTF-8"), "{why}");
     }
 }

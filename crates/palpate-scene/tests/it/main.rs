@@ -4,6 +4,7 @@ mod common;
 mod device_files;
 mod edits;
 mod mesh_files;
+mod obj_files;
 mod scene_files;
 mod world_joints;
 mod worlds;

@@ -8,7 +8,7 @@ use palpate_scene::world::WorldFile;
 use palpate_world::{Mesh, Shape};
 
 /// A scene beside the files of a folder, with one body of this shape.
-fn read(folder: &Path, shape: &str) -> Result<WorldFile, Vec<String>> {
+pub fn read(folder: &Path, shape: &str) -> Result<WorldFile, Vec<String>> {
     let source = format!(
         r#"
 format = 2
@@ -33,7 +33,7 @@ stiffness_n_per_m = 4000.0
         .map_err(|errors| errors.iter().map(ToString::to_string).collect())
 }
 
-fn mesh(file: &WorldFile) -> &Mesh {
+pub fn mesh(file: &WorldFile) -> &Mesh {
     match &file.scene.world.bodies[0].shape {
         Shape::Mesh(mesh) => mesh,
         other => panic!("{other:?}"),
@@ -77,7 +77,7 @@ fn binary_stl() -> Vec<u8> {
     bytes
 }
 
-fn obj() -> String {
+pub fn obj() -> String {
     let mut text = "mtllib part.mtl\no part\n".to_owned();
     for [x, y, z] in CORNERS {
         text += &format!("v {x} {y} {z}\n");
@@ -137,6 +137,11 @@ fn what_is_wrong_with_a_mesh_file_is_said_with_its_name() {
     let turned = obj().replacen("f 1//1 3//1 2//1", "f 1//1 2//1 3//1", 1);
     let no_such_corner = obj().replacen("f 1//1", "f 9//1", 1);
     let truncated = &binary_stl()[..150];
+    let upper = "V 0 0 0\nV 1 0 0\nV 0 1 0\nF 1 2 3\n";
+    let wide: Vec<u8> = "\u{feff}v 0 0 0\n"
+        .encode_utf16()
+        .flat_map(u16::to_be_bytes)
+        .collect();
     for (name, bytes) in [
         ("bad.stl", bad_number.as_bytes()),
         ("nan.stl", not_a_number.as_bytes()),
@@ -146,6 +151,8 @@ fn what_is_wrong_with_a_mesh_file_is_said_with_its_name() {
         ("empty.stl", b"".as_slice()),
         ("none.stl", b"solid none\nendsolid none\n".as_slice()),
         ("none.obj", b"# nothing\n".as_slice()),
+        ("upper.obj", upper.as_bytes()),
+        ("wide.obj", &wide),
         ("part.step", b"ISO-10303-21;\n".as_slice()),
     ] {
         fs::write(folder.join(name), bytes).unwrap();
@@ -158,7 +165,15 @@ fn what_is_wrong_with_a_mesh_file_is_said_with_its_name() {
         ("short.stl", ""),
         ("empty.stl", ""),
         ("none.stl", "no triangle"),
-        ("none.obj", "no triangle"),
+        (
+            "none.obj",
+            "no line of the file begins with \"f\", so it has no face",
+        ),
+        (
+            "upper.obj",
+            "lines left out, by their first word: \"F\" (1), \"V\" (3)",
+        ),
+        ("wide.obj", "its text is UTF-16; save it as UTF-8"),
         ("part.step", "with the extension .stl or .obj"),
         ("missing.stl", "No such file"),
     ] {
@@ -189,6 +204,10 @@ fn keys_of_a_mesh_are_checked() {
         (
             "file = \"part.stl\", unit = \"mm\", scale = 0.0",
             "scale has 0, and each factor has to be finite and not 0",
+        ),
+        (
+            "file = \"part.stl\", unit = \"mm\", scale = [1.0, 2.0]",
+            "scale is one number, or three: scale = [1.0, 1.0, -1.0]",
         ),
         ("unit = \"mm\"", "a mesh needs one of file"),
         (
@@ -221,6 +240,10 @@ fn keys_of_a_mesh_are_checked() {
         let said = said.map(|_| ()).unwrap_err().join("; ");
         assert!(said.contains(expected), "{keys}: {said}");
     }
+    let several = "[{ box = { size_m = [1, 1, 1] } }, { sphere = { radius_m = 1 } }]";
+    let said = read(folder, several).map(|_| ()).unwrap_err().join("; ");
+    let expected = "several shapes of a body are one mesh with a closed part for each";
+    assert!(said.contains(expected), "{said}");
 }
 
 /// A prism has its corners at the radius, in two rings, and the mass properties of the solid.
@@ -488,53 +511,6 @@ fn a_distance_grid_that_cannot_be_made_is_refused() {
                 distance_grid = { spacing_m = 0.01 } } }";
     let said = read(folder, open).map(|_| ()).unwrap_err().join("; ");
     assert!(said.contains("the mesh has open edges"), "{said}");
-}
-
-#[test]
-fn polygons_of_an_obj_file_keep_their_notches_and_ignore_weights() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let ell = [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]];
-    for (first, more) in (0..6).flat_map(|first| ["", " 2", " 0.2 0.4 0.6 1"].map(|m| (first, m))) {
-        let mut text = String::new();
-        for z in [0, 1] {
-            for [x, y] in ell {
-                text += &format!("v {x} {y} {z}{more}\n");
-            }
-        }
-        let turn = |k: usize| (first + k) % 6 + 1;
-        let top: Vec<_> = (0..6).map(|k| (turn(k) + 6).to_string()).collect();
-        let bottom: Vec<_> = (0..6).rev().map(|k| turn(k).to_string()).collect();
-        text += &format!("f {} \\\n{}\n", top[..3].join(" "), top[3..].join(" "));
-        text += &format!("f {}\n", bottom.join(" "));
-        for k in 0..6 {
-            let (a, b) = (k + 1, (k + 1) % 6 + 1);
-            text += &format!("f {a} {b} {} {}\n", b + 6, a + 6);
-        }
-        fs::write(folder.join("ell.obj"), text).unwrap();
-        let file = read(folder, "{ mesh = { file = \"ell.obj\", unit = \"m\" } }").unwrap();
-        let mesh = mesh(&file);
-        assert!(mesh.is_closed() && (mesh.volume() - 5.0).abs() < 1e-9);
-        // A folded cap has a larger surface than an even one.
-        let area = |face: &[u32; 3]| {
-            let [a, b, c] = face.map(|k| mesh.vertices()[k as usize]);
-            let (p, q) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
-            (p[0] * q[1] - p[1] * q[0]).abs() / 2.0
-        };
-        assert!((mesh.faces().iter().map(area).sum::<f64>() - 10.0).abs() < 1e-9);
-    }
-    let crossed = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0.5 2 0\nf 1 2 3 4 5\n";
-    fs::write(folder.join("crossed.obj"), crossed).unwrap();
-    let said = read(
-        folder,
-        "{ mesh = { file = \"crossed.obj\", unit = \"m\" } }",
-    )
-    .map(|_| ());
-    assert!(said.unwrap_err()[0].contains("line 6: the outline of a face crosses itself"));
-    let zero = obj().replacen("f 1//1", "f 0//1", 1);
-    fs::write(folder.join("zero.obj"), zero).unwrap();
-    let said = read(folder, "{ mesh = { file = \"zero.obj\", unit = \"m\" } }").map(|_| ());
-    assert!(said.unwrap_err()[0].contains("counted from 1"));
 }
 
 #[test]

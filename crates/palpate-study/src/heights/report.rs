@@ -3,11 +3,10 @@
 use std::fmt;
 
 use comfy_table::CellAlignment;
-use palpate_scene::Scene;
 use serde::Serialize;
 
 use super::OverHeights;
-use crate::suite::Column;
+use crate::studied::{Compared, Studied};
 use crate::sweep::table::text;
 use crate::text::{digits, drawn_title, lines, number, percent, plain_table};
 use crate::tune::{HEIGHT_RANGE, HEIGHTS, Spread};
@@ -63,11 +62,11 @@ pub struct ColumnReport {
     /// Name of the method.
     pub method: &'static str,
     /// Mean-force error E over the start heights `[%]`.
-    pub mean_force_error_percent: ErrorReport,
+    pub mean_force_error_percent: Spread,
     /// FRE at the scene's own start height `[%]`.
     pub force_rendering_error_percent: f64,
     /// FRE over the start heights `[%]`.
-    pub force_rendering_error_over_heights_percent: ErrorReport,
+    pub force_rendering_error_over_heights_percent: Spread,
     /// FRE over the zero-order-hold bound; none if the bound is 0.
     pub error_over_bound: Option<f64>,
     /// Number of start heights from which the loop diverged.
@@ -75,26 +74,6 @@ pub struct ColumnReport {
     /// The chosen damping, for a column with several dampings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_n_s_per_m: Option<f64>,
-}
-
-/// An error over the start heights `[%]`.
-#[derive(Debug, Serialize)]
-#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
-#[non_exhaustive]
-pub struct ErrorReport {
-    /// At the scene's own start height.
-    pub own: f64,
-    /// Median over the start heights.
-    pub median: f64,
-    /// Largest over the start heights.
-    pub worst: f64,
-}
-
-impl From<Spread> for ErrorReport {
-    fn from(spread: Spread) -> Self {
-        let Spread { own, median, worst } = spread;
-        Self { own, median, worst }
-    }
 }
 
 impl HeightsReport {
@@ -110,11 +89,6 @@ impl HeightsReport {
             scenes,
             files: Vec::new(),
         }
-    }
-
-    /// Adds a written file.
-    pub fn wrote(&mut self, path: &std::path::Path) {
-        self.files.push(path.display().to_string());
     }
 }
 
@@ -163,9 +137,9 @@ impl HeightsReport {
 impl SceneReport {
     /// Creates the report of the result of [`over_heights`](super::over_heights) for the `scene`.
     #[must_use]
-    pub fn new(scene: &Scene, columns: &[Column], found: &[OverHeights]) -> Self {
+    pub fn new<S: Studied>(scene: &S, columns: &[S::Column], found: &[OverHeights]) -> Self {
         Self {
-            title: scene.title.clone(),
+            title: scene.title().into(),
             seed: scene.random_seed(),
             // The hold bound is a property of the ideal, equal for all columns.
             hold_bound_percent: found.first().map_or(0.0, |one| one.own.hold_bound),
@@ -173,11 +147,11 @@ impl SceneReport {
                 .iter()
                 .zip(found)
                 .map(|(column, found)| ColumnReport {
-                    name: column.name.clone(),
-                    method: column.method.name(),
-                    mean_force_error_percent: found.error.into(),
+                    name: column.name().into(),
+                    method: column.method(),
+                    mean_force_error_percent: found.error,
                     force_rendering_error_percent: found.own.force_rendering_error,
-                    force_rendering_error_over_heights_percent: found.force_rendering_error.into(),
+                    force_rendering_error_over_heights_percent: found.force_rendering_error,
                     error_over_bound: found.own.error_over_bound,
                     diverged: found.diverged,
                     damping_n_s_per_m: found.damping,

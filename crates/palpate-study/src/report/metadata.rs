@@ -1,7 +1,7 @@
 //! Metadata of runs for a run file.
 
 use crate::sim::run::Run;
-use palpate_core::{Guard, GuardParams, Mass, ObjectState, Side};
+use palpate_core::{Guard, GuardParams, HandLimit, Mass, ObjectState, Side};
 use palpate_scene::{GUARD_RECOVERY, HandForceAt, Intention, Measure, PantographDevice, Scene};
 
 use super::{Subject, parameters_of, timing_of};
@@ -171,15 +171,21 @@ pub fn plant_metadata(scene: &Scene) -> Vec<(String, String)> {
     lines
 }
 
-/// Returns the bounds of a guard: `1 m/s, 0.02 J, 80 m/s^2 on 0.1 kg`.
+/// Returns the bounds of a guard: `1 m/s, 0.02 J, 80 m/s^2 on 0.1 kg` or `..., 8 N on 0.1 kg`.
 fn bounds(guard: &GuardParams<f64>) -> String {
     let mut text = format!("{} m/s, {} J", guard.largest_speed, guard.allowance);
     if let Some(hand) = guard.hand {
-        text += &format!(", {} m/s^2 on ", hand.acceleration);
+        text += &match hand.limit {
+            HandLimit::Acceleration(most) => format!(", {most} m/s^2 on "),
+            HandLimit::Force(most) => format!(", {most} N on "),
+        };
         text += &match hand.least_mass {
             mass if mass.is_finite() => format!("{mass} kg"),
             _ => "half the model mass".into(),
         };
+        if hand.learns_mass {
+            text += " or the mass that the motion shows";
+        }
     }
     if guard.recovery != GUARD_RECOVERY {
         text += &format!(", recovery {} W", guard.recovery);

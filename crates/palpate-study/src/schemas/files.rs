@@ -40,7 +40,6 @@ const FILES: [(&str, &[&str]); 2] = [
             "sweep",
             "tune",
             "world",
-            "world-compare",
             "world-suite",
             "world-tune",
         ],

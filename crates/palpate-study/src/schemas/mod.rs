@@ -28,7 +28,6 @@ fn the_committed_schemas_are_those_of_the_reports() {
         ("sweep", schema::<sweep::report::SweepReport>()),
         ("tune", schema::<tune::report::TuneReport>()),
         ("world", schema::<world::WorldReport>()),
-        ("world-compare", schema::<world::compare::WorldComparison>()),
         ("world-suite", schema::<world::suite::WorldSuiteReport>()),
         ("world-tune", schema::<world::tune::WorldTuneReport>()),
     ]);

@@ -152,6 +152,8 @@ pub struct Replay {
     measured: bool,
     /// Recorded positions at these instants, in the user's frame `[m]`.
     positions: Vec<f64>,
+    /// Virtual force of each instant in addition to that of the setup `[N]`; empty: 0.
+    forces: Vec<f64>,
     delivery: Delivery,
     reference: Reference,
 }
@@ -166,6 +168,21 @@ impl Replay {
     /// # Errors
     /// The recording is not a valid motion or lasts less than one period, or a parameter is out of range.
     pub fn new(setup: ReplaySetup, times: &[f64], positions: &[f64]) -> Result<Self, ReplayError> {
+        Self::pushed(setup, times, positions, &[])
+    }
+
+    /// Resamples the recording as [`new`](Self::new), with a virtual force from each recorded sample until the next in
+    /// addition to that of the setup: `forces` `[N]`, in the user's frame; an empty list: 0. The loop takes the force
+    /// at its instants.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new); a force is not finite, or their number is not that of the samples.
+    pub fn pushed(
+        setup: ReplaySetup,
+        times: &[f64],
+        positions: &[f64],
+        forces: &[f64],
+    ) -> Result<Self, ReplayError> {
         check(&setup)?;
         let period = setup.loop_params.period;
         let recorded = RecordedPath::new(times, positions)?;
@@ -184,7 +201,8 @@ impl Replay {
         let start = recorded.start();
         let instants = (0..=intervals).map(|i| start + i as f64 * period).collect();
         let grid = Grid::even(start, period, intervals);
-        Self::along(setup, &recorded, grid, (instants, resampled, false))
+        let samples = (instants, resampled, false);
+        Self::along(setup, (&recorded, forces), grid, samples)
     }
 
     /// Creates a loop that samples at the recorded instants `times` `[s]`, with the device at `positions` `[m]`. The
@@ -204,13 +222,13 @@ impl Replay {
         }
         let grid = Grid::cut_at(times.to_vec(), setup.loop_params.period)?;
         let samples = (times.to_vec(), positions.to_vec(), true);
-        Self::along(setup, &recorded, grid, samples)
+        Self::along(setup, (&recorded, &[]), grid, samples)
     }
 
     /// Moves the ideal object by a full recording, over the grid of the loop.
     fn along(
         setup: ReplaySetup,
-        recorded: &RecordedPath,
+        (recorded, forces): (&RecordedPath, &[f64]),
         grid: Grid,
         (times, positions, measured): (Vec<f64>, Vec<f64>, bool),
     ) -> Result<Self, ReplayError> {
@@ -228,7 +246,8 @@ impl Replay {
         } else {
             recorded.clone()
         };
-        let ideal = DrivenIdeal::new(
+        let added: Vec<f64> = forces.iter().map(|force| sign * force).collect();
+        let ideal = DrivenIdeal::pushed(
             DrivenScene {
                 stiffness: setup.contact.stiffness,
                 object_mass: match setup.contact.object_mass {
@@ -240,6 +259,7 @@ impl Replay {
                 object_velocity: sign * setup.object.velocity,
             },
             path,
+            &added,
         )?;
         let profile = if grid.is_even() {
             ideal.profile(grid.period(), grid.intervals())?
@@ -252,9 +272,10 @@ impl Replay {
         Ok(Self {
             setup,
             sign,
-            times,
             measured,
             positions,
+            forces: held_at(&times, recorded.times(), forces),
+            times,
             delivery,
             reference: Reference::new(profile, 0.0, sign, |time| ideal.at(time)),
         })
@@ -315,7 +336,9 @@ impl Replay {
                 let sample = Sample {
                     // Nothing was measured before the first sample.
                     elapsed: (self.measured && i > 0).then(|| self.times[i] - self.times[i - 1]),
-                    ..Sample::at(position).with_virtual_force(setup.virtual_force)
+                    ..Sample::at(position).with_virtual_force(
+                        setup.virtual_force + self.forces.get(i).copied().unwrap_or(0.0),
+                    )
                 };
                 let output = renderer.step(&mut state, sample);
                 commands.push(output.force_on_object);
@@ -359,6 +382,21 @@ impl Replay {
             centre_offset: 0.0,
         })
     }
+}
+
+/// Returns the force of each instant `[s]`: that of the last recorded sample up to it, within a millionth of a step.
+fn held_at(instants: &[f64], recorded: &[f64], forces: &[f64]) -> Vec<f64> {
+    if forces.is_empty() {
+        return Vec::new();
+    }
+    let at = |&instant: &f64| {
+        let next = recorded.partition_point(|time| *time <= instant);
+        let last = next.saturating_sub(1);
+        let is_next = (recorded.get(next))
+            .is_some_and(|time| time - instant <= 1e-6 * (time - recorded[last]));
+        forces[if is_next { next } else { last }]
+    };
+    instants.iter().map(at).collect()
 }
 
 /// Checks contact, loop and object, whatever the method.

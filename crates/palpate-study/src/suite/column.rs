@@ -9,7 +9,7 @@ use palpate_core::{Guard, Hold};
 use palpate_scene::method::{
     MethodName, SettingKey, Settings, SettingsError, deserialize_settings, method_named,
 };
-use palpate_scene::{GuardBounds, GuardMode, Scene, SetupError, in_plain_words};
+use palpate_scene::{GuardBounds, GuardConflict, GuardMode, Scene, SetupError, in_plain_words};
 
 /// A method with settings and a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -197,7 +197,10 @@ struct RawGuard {
     speed_m_per_s: Option<f64>,
     allowance_j: Option<f64>,
     acceleration_m_per_s2: Option<f64>,
+    hand_force_n: Option<f64>,
     least_mass_kg: Option<f64>,
+    #[serde(default)]
+    learn_mass: bool,
     recovery_w: Option<f64>,
 }
 
@@ -207,13 +210,21 @@ impl RawGuard {
             speed: self.speed_m_per_s,
             allowance: self.allowance_j,
             acceleration: self.acceleration_m_per_s2,
+            hand_force: self.hand_force_n,
             least_mass: self.least_mass_kg,
+            learns_mass: self.learn_mass,
             recovery: self.recovery_w,
         };
-        if bounds.lacks_acceleration() {
-            return Err("guard: least_mass_kg needs acceleration_m_per_s2".into());
+        match bounds.conflict() {
+            None => Ok(self.mode.guard(bounds)),
+            Some(GuardConflict::MassAlone) => Err(
+                "guard: least_mass_kg and learn_mass need acceleration_m_per_s2 or hand_force_n"
+                    .into(),
+            ),
+            Some(GuardConflict::TwoLimits) => {
+                Err("guard: hand_force_n excludes acceleration_m_per_s2; remove one".into())
+            }
         }
-        Ok(self.mode.guard(bounds))
     }
 }
 

@@ -2,12 +2,11 @@
 
 use std::fmt;
 
-use comfy_table::{CellAlignment, Table};
-use palpate_scene::Scene;
+use comfy_table::{Cell, CellAlignment, Table};
 use serde::Serialize;
 
-use super::{Quantity, Swept, SweptWorld};
-use crate::suite::Column;
+use super::{Quantity, Swept};
+use crate::studied::{Compared, Leak, Studied};
 use crate::text::{
     ABSOLUTE_LEAK, E, FRE, digits, drawn_title, legend, lines, number, percent, plain_table, short,
     wrapped,
@@ -38,7 +37,10 @@ pub struct SweepReport {
     pub over: String,
     /// Unit of the values; empty for a factor, and for a key, which has its unit in its name.
     pub unit: &'static str,
-    /// One entry for each value.
+    /// Second varied quantity or key, if there are two.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub and: Option<String>,
+    /// One entry for each value; for each pair of values, if there are two quantities.
     pub values: Vec<ValueReport>,
     /// Files that were written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -52,6 +54,9 @@ pub struct SweepReport {
 pub struct ValueReport {
     /// The value.
     pub value: f64,
+    /// Value of the second quantity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub and_value: Option<f64>,
     /// Zero-order-hold bound: minimum FRE of any held force `[%]`.
     pub hold_bound_percent: f64,
     /// Strongest force of the ideal `[N]`.
@@ -108,131 +113,90 @@ pub struct ColumnReport {
 impl SweepReport {
     /// Creates the report of the result of [`sweep`](super::sweep) for the `scene` at `values`.
     #[must_use]
-    pub fn new(
-        scene: &Scene,
+    pub fn new<S: Studied>(
+        scene: &S,
         quantity: Quantity,
         values: &[f64],
-        columns: &[Column],
+        columns: &[S::Column],
         swept: &[Vec<Swept>],
     ) -> Self {
-        let swept = values.iter().copied().zip(swept);
+        let values: Vec<_> = values.iter().map(|value| (*value, None)).collect();
         Self {
             unit: quantity.unit(),
-            ..Self::of_key(scene, quantity.name(), swept, columns)
+            ..Self::of_names(scene, (quantity.name(), None), &values, columns, swept)
         }
     }
 
-    /// Creates the report of the results at each value of a key of the `scene`.
+    /// Creates the report of the results at each value, or pair of values, of quantities or keys with these `names`.
     #[must_use]
-    pub fn of_key<'s>(
-        scene: &Scene,
-        key: &str,
-        swept: impl Iterator<Item = (f64, &'s Vec<Swept>)>,
-        columns: &[Column],
+    pub fn of_names<S: Studied>(
+        scene: &S,
+        names: (&str, Option<&str>),
+        values: &[(f64, Option<f64>)],
+        columns: &[S::Column],
+        swept: &[Vec<Swept>],
     ) -> Self {
+        let values = values.iter().zip(swept);
         Self {
             format: FORMAT,
-            title: scene.title.clone(),
+            title: scene.title().into(),
             seed: scene.random_seed(),
-            over: key.into(),
+            over: names.0.into(),
             unit: "",
-            values: swept
-                .map(|(value, swept)| ValueReport::new(value, columns, swept))
+            and: names.1.map(Into::into),
+            values: values
+                .map(|(values, swept)| ValueReport::new(*values, columns, swept))
                 .collect(),
             files: Vec::new(),
         }
-    }
-
-    /// Creates the report of the results of `methods` at each value of a key of a world with this title.
-    #[must_use]
-    pub fn of_worlds<'s>(
-        title: &str,
-        key: &str,
-        swept: impl Iterator<Item = (f64, &'s Vec<SweptWorld>)>,
-        methods: &[&'static str],
-    ) -> Self {
-        Self {
-            format: FORMAT,
-            title: title.into(),
-            seed: None,
-            over: key.into(),
-            unit: "",
-            values: swept
-                .map(|(value, swept)| ValueReport::of_world(value, methods, swept))
-                .collect(),
-            files: Vec::new(),
-        }
-    }
-
-    /// Adds a written file.
-    pub fn wrote(&mut self, path: &std::path::Path) {
-        self.files.push(path.display().to_string());
     }
 }
 
 impl ValueReport {
-    fn new(value: f64, columns: &[Column], swept: &[Swept]) -> Self {
+    fn new<C: Compared>(
+        (value, and_value): (f64, Option<f64>),
+        columns: &[C],
+        swept: &[Swept],
+    ) -> Self {
         // Hold bound and peak are properties of the ideal, equal for all columns.
         let ideal = swept.first();
         Self {
             value,
+            and_value,
             hold_bound_percent: ideal.map_or(0.0, |swept| swept.own.hold_bound),
-            ideal_peak_force_n: ideal.map_or(0.0, |swept| swept.ideal_peak_force),
-            columns: columns
-                .iter()
-                .zip(swept)
-                .map(|(column, swept)| ColumnReport {
-                    name: column.name.clone(),
-                    method: column.method.name(),
-                    force_rendering_error_percent: swept.own.force_rendering_error,
-                    mean_force_error_percent: swept.own.mean_force_error,
-                    median_force_rendering_error_percent: swept
-                        .over_heights
-                        .map(|of| of.force_rendering_error.median),
-                    worst_force_rendering_error_percent: swept
-                        .over_heights
-                        .map(|of| of.force_rendering_error.worst),
-                    left_box_heights: swept.over_heights.map(|of| of.left_box),
-                    almost_stable_heights: swept.over_heights.map(|of| of.almost_stable),
-                    peak_force_n: swept.peak_force,
-                    absolute_leak_held_j: Some(swept.leak),
-                    leak_j: None,
-                    refused_samples: None,
-                    largest_rebound_energy: swept.rebound_energy,
-                    bounce: Some(swept.stability.name()),
-                    left_box_at_s: swept.left_box_at,
-                })
+            ideal_peak_force_n: ideal.map_or(0.0, |swept| swept.outcome.ideal_peak_force),
+            columns: (columns.iter().zip(swept))
+                .map(|(column, swept)| ColumnReport::new(column, swept))
                 .collect(),
         }
     }
+}
 
-    fn of_world(value: f64, methods: &[&'static str], swept: &[SweptWorld]) -> Self {
-        let ideal = swept.first();
+impl ColumnReport {
+    fn new(column: &impl Compared, swept: &Swept) -> Self {
+        let outcome = &swept.outcome;
+        let heights = swept.over_heights;
+        let of_heights = heights.and_then(|of| of.left_box_and_stable);
+        let (absolute, created) = match outcome.leak {
+            Leak::Absolute(leak) => (Some(leak), None),
+            Leak::Created(leak) => (None, Some(leak)),
+        };
         Self {
-            value,
-            hold_bound_percent: ideal.map_or(0.0, |swept| swept.own.hold_bound),
-            ideal_peak_force_n: ideal.map_or(0.0, |swept| swept.ideal_peak_force),
-            columns: methods
-                .iter()
-                .zip(swept)
-                .map(|(method, swept)| ColumnReport {
-                    name: (*method).into(),
-                    method,
-                    force_rendering_error_percent: swept.own.force_rendering_error,
-                    mean_force_error_percent: swept.own.mean_force_error,
-                    median_force_rendering_error_percent: None,
-                    worst_force_rendering_error_percent: None,
-                    left_box_heights: None,
-                    almost_stable_heights: None,
-                    peak_force_n: swept.peak_force,
-                    absolute_leak_held_j: None,
-                    leak_j: Some(swept.created),
-                    refused_samples: Some(swept.refused),
-                    largest_rebound_energy: None,
-                    bounce: None,
-                    left_box_at_s: None,
-                })
-                .collect(),
+            name: column.name().into(),
+            method: column.method(),
+            force_rendering_error_percent: swept.own.force_rendering_error,
+            mean_force_error_percent: swept.own.mean_force_error,
+            median_force_rendering_error_percent: heights.map(|of| of.force_rendering_error.median),
+            worst_force_rendering_error_percent: heights.map(|of| of.force_rendering_error.worst),
+            left_box_heights: of_heights.map(|[left_box, _]| left_box),
+            almost_stable_heights: of_heights.map(|[_, almost_stable]| almost_stable),
+            peak_force_n: outcome.peak_force,
+            absolute_leak_held_j: absolute,
+            leak_j: created,
+            refused_samples: created.map(|_| outcome.refused),
+            largest_rebound_energy: outcome.bounce.and_then(|it| it.rebound_energy),
+            bounce: outcome.bounce.map(|it| it.stability.name()),
+            left_box_at_s: outcome.bounce.and_then(|it| it.left_box_at),
         }
     }
 }
@@ -245,24 +209,22 @@ impl fmt::Display for SweepReport {
         };
         writeln!(f, "{}", wrapped(&drawn_title(&self.title, self.seed)))?;
         for at in &self.values {
+            let and = match (&self.and, at.and_value) {
+                (Some(name), Some(value)) => format!(", {name} {value}"),
+                _ => String::new(),
+            };
             writeln!(
                 f,
-                "\n{} {}{unit}: hold bound {:.2} %, peak of the ideal {:.2} N\n",
+                "\n{} {}{unit}{and}: hold bound {:.2} %, peak of the ideal {:.2} N\n",
                 self.over, at.value, at.hold_bound_percent, at.ideal_peak_force_n
             )?;
-            let is_world = at.columns.iter().any(|of| of.refused_samples.is_some());
-            let table = if is_world {
-                at.table_of_world()
-            } else {
-                at.table_of_contact()
-            };
-            writeln!(f, "{}", lines(&table))?;
+            writeln!(f, "{}", lines(&at.table()))?;
         }
         let is_world = |of: &ColumnReport| of.refused_samples.is_some();
         let words: &[&str] = if self.values.iter().flat_map(|at| &at.columns).any(is_world) {
             &[E, FRE]
         } else {
-            &[FRE, ABSOLUTE_LEAK, REBOUND]
+            &[E, FRE, ABSOLUTE_LEAK, REBOUND]
         };
         writeln!(f, "\n{}", legend(words))?;
         for file in &self.files {
@@ -272,64 +234,70 @@ impl fmt::Display for SweepReport {
     }
 }
 
-impl ValueReport {
-    fn table_of_world(&self) -> Table {
-        let header = ["method", "E %", "FRE %", "peak N", "leak mJ", "refused"];
-        let mut table = plain_table(CellAlignment::Left, &header);
-        for column in &self.columns {
-            table.add_row([
-                (&*column.name).into(),
-                number(Some(column.mean_force_error_percent), percent),
-                number(Some(column.force_rendering_error_percent), percent),
-                number(Some(column.peak_force_n), |force| format!("{force:.2}")),
-                number(column.leak_j.map(|leak| 1e3 * leak), |leak| short(leak, 3)),
-                number(column.refused_samples.map(|count| count as f64), digits),
-            ]);
-        }
-        table
-    }
+/// Header and values of a column of a text table.
+type Written = (&'static str, fn(&ColumnReport) -> Cell);
 
-    fn table_of_contact(&self) -> Table {
-        let heights = self.columns.iter().any(|of| of.left_box_heights.is_some());
-        let mut header = vec!["method", "FRE %"];
-        if heights {
-            header.extend(["median", "worst"]);
+impl ValueReport {
+    /// Returns the table of the columns that the renderer has.
+    fn table(&self) -> Table {
+        let has = |of: fn(&ColumnReport) -> bool| self.columns.iter().any(of);
+        let mut shown: Vec<Written> = vec![
+            ("method", |of| Cell::new(&of.name)),
+            ("E %", |of| {
+                number(Some(of.mean_force_error_percent), percent)
+            }),
+            ("FRE %", |of| {
+                number(Some(of.force_rendering_error_percent), percent)
+            }),
+        ];
+        if has(|of| of.median_force_rendering_error_percent.is_some()) {
+            shown.push(("median", |of| {
+                number(of.median_force_rendering_error_percent, percent)
+            }));
+            shown.push(("worst", |of| {
+                number(of.worst_force_rendering_error_percent, percent)
+            }));
         }
-        header.extend(["peak N", "|leak| mJ", "rebound", "bounce", "left box s"]);
-        if heights {
+        shown.push(("peak N", |of| {
+            number(Some(of.peak_force_n), |force| format!("{force:.2}"))
+        }));
+        if has(|of| of.leak_j.is_some()) {
+            shown.push(("leak mJ", |of| {
+                number(of.leak_j.map(|leak| 1e3 * leak), |leak| short(leak, 3))
+            }));
+            shown.push(("refused", |of| {
+                number(of.refused_samples.map(|count| count as f64), digits)
+            }));
+        } else {
+            shown.push(("|leak| mJ", |of| {
+                number(of.absolute_leak_held_j.map(|leak| 1e3 * leak), digits)
+            }));
+            shown.push(("rebound", |of| {
+                number(of.largest_rebound_energy, |ratio| format!("{ratio:.2}"))
+            }));
+            shown.push(("bounce", |of| {
+                Cell::new(of.bounce.unwrap_or("-")).set_alignment(CellAlignment::Right)
+            }));
+            shown.push(("left box s", |of| {
+                number(of.left_box_at_s, |time| format!("{time:.2}"))
+            }));
+        }
+        if has(|of| of.left_box_heights.is_some()) {
             // These columns count start heights.
-            header.extend(["almost stable", "left box"]);
+            shown.push(("almost stable", |of| of_heights(of.almost_stable_heights)));
+            shown.push(("left box", |of| of_heights(of.left_box_heights)));
         }
-        let of_heights = |count: Option<usize>| {
-            number(count.map(|count| count as f64), |count| {
-                format!("{count} of {HEIGHTS}")
-            })
-        };
+        let header: Vec<_> = shown.iter().map(|(header, _)| *header).collect();
         let mut table = plain_table(CellAlignment::Left, &header);
         for column in &self.columns {
-            let mut cells = vec![
-                (&*column.name).into(),
-                number(Some(column.force_rendering_error_percent), percent),
-            ];
-            if heights {
-                cells.push(number(column.median_force_rendering_error_percent, percent));
-                cells.push(number(column.worst_force_rendering_error_percent, percent));
-            }
-            let leak = column.absolute_leak_held_j.map(|leak| 1e3 * leak);
-            cells.extend([
-                number(Some(column.peak_force_n), |force| format!("{force:.2}")),
-                number(leak, digits),
-                number(column.largest_rebound_energy, |ratio| format!("{ratio:.2}")),
-                comfy_table::Cell::new(column.bounce.unwrap_or("-"))
-                    .set_alignment(CellAlignment::Right),
-                number(column.left_box_at_s, |time| format!("{time:.2}")),
-            ]);
-            if heights {
-                cells.push(of_heights(column.almost_stable_heights));
-                cells.push(of_heights(column.left_box_heights));
-            }
-            table.add_row(cells);
+            table.add_row(shown.iter().map(|(_, cell)| cell(column)));
         }
         table
     }
+}
+
+fn of_heights(count: Option<usize>) -> Cell {
+    number(count.map(|count| count as f64), |count| {
+        format!("{count} of {HEIGHTS}")
+    })
 }

@@ -3,9 +3,11 @@
 use super::report::SweepReport;
 
 /// Columns of the table.
-pub const COLUMNS: [&str; 19] = [
+pub const COLUMNS: [&str; 21] = [
     "over",
     "value",
+    "and",
+    "and_value",
     "column",
     "method",
     "hold_bound_percent",
@@ -33,6 +35,8 @@ impl SweepReport {
                 [
                     self.over.clone(),
                     at.value.to_string(),
+                    text(self.and.as_deref()),
+                    text(at.and_value),
                     of.name.clone(),
                     of.method.into(),
                     at.hold_bound_percent.to_string(),

@@ -60,41 +60,19 @@ pub struct PointReport {
     /// The damping or cap `[N s/m]`.
     pub value_n_s_per_m: f64,
     /// Mean-force error E `[%]`.
-    pub mean_force_error_percent: SpreadReport,
+    pub mean_force_error_percent: Spread,
     /// Sum of the absolute leaks of the held force `[J]`.
-    pub absolute_leak_j: SpreadReport,
+    pub absolute_leak_j: Spread,
     /// Number of start heights from which the loop diverged.
     pub diverged: usize,
-}
-
-/// A quantity over the start heights.
-#[derive(Debug, Serialize, Clone, Copy)]
-#[cfg_attr(any(test, feature = "schema"), derive(schemars::JsonSchema))]
-pub struct SpreadReport {
-    /// At the scene's own start height.
-    pub own: f64,
-    /// Median over the start heights.
-    pub median: f64,
-    /// Largest over the start heights.
-    pub worst: f64,
-}
-
-impl From<Spread> for SpreadReport {
-    fn from(spread: Spread) -> Self {
-        Self {
-            own: spread.own,
-            median: spread.median,
-            worst: spread.worst,
-        }
-    }
 }
 
 impl From<&TunedPoint> for PointReport {
     fn from(point: &TunedPoint) -> Self {
         Self {
             value_n_s_per_m: point.value,
-            mean_force_error_percent: point.mean_force_error.into(),
-            absolute_leak_j: point.leak.into(),
+            mean_force_error_percent: point.mean_force_error,
+            absolute_leak_j: point.leak,
             diverged: point.diverged,
         }
     }
@@ -171,11 +149,6 @@ impl TuneReport {
         }
     }
 
-    /// Adds a written file.
-    pub fn wrote(&mut self, path: &std::path::Path) {
-        self.files.push(path.display().to_string());
-    }
-
     /// Returns the tuned setting in words: `damping` or `damping cap`.
     #[must_use]
     pub fn setting_in_words(&self) -> &'static str {
@@ -222,7 +195,7 @@ impl fmt::Display for TuneReport {
         row(&format!("{} N s/m", words(self.setting)), &|point| {
             number(Some(point.value_n_s_per_m), digits)
         });
-        type Of = fn(&SpreadReport) -> f64;
+        type Of = fn(&Spread) -> f64;
         let spreads: [(&str, Of); 3] = [
             ("own height", |spread| spread.own),
             ("median", |spread| spread.median),

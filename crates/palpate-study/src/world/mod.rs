@@ -1,7 +1,6 @@
 //! Results of methods on a world: the report of `simulate` for scenes with several bodies.
 
 pub mod candidates;
-pub mod compare;
 pub mod forces;
 mod setting;
 pub mod suite;

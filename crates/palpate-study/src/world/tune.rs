@@ -170,7 +170,7 @@ pub struct WorldPointReport {
 }
 
 impl WorldPointReport {
-    pub(super) fn new(tuned: &Tuned) -> Self {
+    pub(crate) fn new(tuned: &Tuned) -> Self {
         let sum = tuned.run.evaluation.sum.as_ref();
         Self {
             settings: (&tuned.settings).into(),
@@ -235,11 +235,6 @@ impl WorldTuneReport {
             curve: tuned.iter().map(WorldPointReport::new).collect(),
             files: Vec::new(),
         })
-    }
-
-    /// Adds a written file.
-    pub fn wrote(&mut self, path: &std::path::Path) {
-        self.files.push(path.display().to_string());
     }
 
     /// Whether the best setting has the largest tried damping of its coupling, so that a larger one may be better.
@@ -343,7 +338,7 @@ impl WorldTuneReport {
 }
 
 /// Returns the reason why no setting is usable, with the least bad one.
-pub(super) fn none_found(count: usize, best: &WorldPointReport) -> String {
+pub(crate) fn none_found(count: usize, best: &WorldPointReport) -> String {
     let least = match (best.refused_samples, best.mean_force_error_percent) {
         (0, Some(error)) => format!("the least E is {} %", percent(error)),
         (0, None) => "all diverged".into(),

@@ -5,10 +5,11 @@
 use palpate_scene::method::MethodName;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_scene::{ContactFile, Scene};
-use palpate_study::seeded::{scores_of_world, world_with_seed};
+use palpate_study::seeded::scores;
 use palpate_study::sim::closed_loop::Bench;
 use palpate_study::sim::run::Run;
 use palpate_study::sim::world::{WorldBench, WorldRun};
+use palpate_study::studied::Studied;
 
 /// A point that a hand presses against a wall. The closed form renders it, and the world renderer does if asked.
 const WALL: &str = r#"
@@ -175,7 +176,7 @@ fn an_imperfect_loop_of_a_world_is_that_of_the_closed_form() {
         );
         if let Some(seed) = scene.random_seed() {
             assert_eq!(seed, 7);
-            let (_, another) = of_world(&world_with_seed(&scene, 8, None));
+            let (_, another) = of_world(&scene.with_seed(8, None));
             assert_ne!(another.delivered, run.delivered, "{keys}");
         }
     }
@@ -212,7 +213,7 @@ fn seeds_of_a_world_give_other_errors() {
     let source = WALL.replace("[loop]", "[loop]\ndrop_probability = 0.2");
     let scene = world(&source);
     let error = |seed| {
-        let scores = scores_of_world(&world_with_seed(&scene, seed, None), &["basic"]).unwrap();
+        let scores = scores(&scene.with_seed(seed, None), &["basic"]).unwrap();
         scores[0].unwrap().mean_force_error
     };
     assert_eq!(error(3), error(3));

@@ -57,9 +57,9 @@ impl Fidelity {
     }
 }
 
-/// Least share of ∫ f² along all axes that is a force along one of them: the ideal is computed to 1e-11 of a step, and
-/// a force of 1e-8 of the whole is rounding.
-const MIN_SHARE: f64 = 1e-16;
+/// Least share of ∫ f² along all axes that is a force along one of them: a force of 1e-6 of the whole is not felt, and
+/// of bodies that settle it is rounding of the ideal.
+const MIN_SHARE: f64 = 1e-12;
 
 /// The sums from which a [`Fidelity`] follows.
 #[derive(Debug, Clone, Copy, Default)]

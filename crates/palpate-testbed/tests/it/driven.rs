@@ -35,20 +35,26 @@ fn hand() -> RecordedPath {
 #[test]
 fn it_agrees_with_a_fine_integration() {
     let path = hand();
-    for scene in [
-        OBJECT,
-        DrivenScene {
-            stiffness: 3000.0,
-            virtual_force: 0.2,
-            object_position: -0.002,
-            object_velocity: -0.1,
-            ..OBJECT
-        },
+    let stiff = DrivenScene {
+        stiffness: 3000.0,
+        virtual_force: 0.2,
+        object_position: -0.002,
+        object_velocity: -0.1,
+        ..OBJECT
+    };
+    let varying = |sample: u32| 0.5 * (0.02 * f64::from(sample)).sin();
+    for (scene, varying) in [
+        (OBJECT, None),
+        (stiff, None),
+        (OBJECT, Some(varying)),
+        (stiff, Some(varying)),
     ] {
-        let driven = DrivenIdeal::new(scene, path.clone()).unwrap();
+        let added: Vec<f64> = varying.map_or(Vec::new(), |at| (0..=3000).map(at).collect());
+        let driven = DrivenIdeal::pushed(scene, path.clone(), &added).unwrap();
         let step = 1e-6;
-        let acceleration = |t: f64, eta: f64| {
-            (scene.virtual_force + scene.stiffness * (path.position(t) - eta).max(0.0))
+        let acceleration = |i: u32, t: f64, eta: f64| {
+            let added = varying.map_or(0.0, |at| at(i / 500));
+            (scene.virtual_force + added + scene.stiffness * (path.position(t) - eta).max(0.0))
                 / scene.object_mass
         };
         let (mut eta, mut w) = (scene.object_position, scene.object_velocity);
@@ -64,9 +70,9 @@ fn it_agrees_with_a_fine_integration() {
                     .max(0.05 * (exact.object_velocity - w).abs())
                     .max((exact.device_position - path.position(t)).abs());
             }
-            w += 0.5 * step * acceleration(t, eta);
+            w += 0.5 * step * acceleration(i, t, eta);
             eta += step * w;
-            w += 0.5 * step * acceleration(t + step, eta);
+            w += 0.5 * step * acceleration(i, t + step, eta);
         }
         assert!(touched);
         eprintln!("within {worst:e}");

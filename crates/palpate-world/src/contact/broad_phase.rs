@@ -196,6 +196,10 @@ const MAX_PASSES: usize = 16;
 /// Ratio of the mean square extents of two axes above which the sweep changes to the larger one.
 const CLEARLY: f64 = 1.5;
 
+/// Width of the steps to which the lower ends of extents are rounded down; unlike positions of bodies, no round number
+/// `[m]`.
+const GRAIN: f64 = 1.618e-5;
+
 /// Safety margin of the distance at which two parts stay apart within an interval, in addition to their approach `[m]`.
 pub(crate) const MARGIN: f64 = 2e-4;
 
@@ -420,7 +424,9 @@ impl BroadPhase {
                 self.halves[part] = turned * pairs.halves[part];
             }
             let half = self.halves[part][axis] + reach;
-            self.extents[part] = [position[axis] - half, position[axis] + half];
+            // Parts in a row would change places at every interval by displacements of nanometres.
+            let low = ((position[axis] - half) / GRAIN).floor() * GRAIN;
+            self.extents[part] = [low, position[axis] + half];
         }
         if self.axis != Some(axis) {
             self.axis = Some(axis);
@@ -443,6 +449,12 @@ impl BroadPhase {
             for &other in &self.order[place + 1..] {
                 if self.extents[other][0] > high {
                     break;
+                }
+                // The distance of the bounding spheres takes less time than the look-up.
+                let [first, second] = [one, other].map(|part| &parts[part].rigid.position);
+                let between_balls = (first - second).norm() - pairs.radii[one] - pairs.radii[other];
+                if between_balls > 2.0 * reach {
+                    continue;
                 }
                 if let Some(pair) = pairs.between(one, other)
                     && !self.is_near[pair]

@@ -23,6 +23,7 @@ mod zero;
 use crate::contact::law::PointLaw;
 use crate::contact::pairs::Point;
 use crate::contact::point::Touch;
+use crate::dynamics::moving_body::Part;
 use crate::geometry::hull::MAX_CORNERS;
 use crate::geometry::rigid::{Rigid, Vector3};
 use boxes::Placed;
@@ -36,6 +37,9 @@ const PREFERENCE: f64 = 1e-9;
 /// Sine of the angle below which two edges are parallel. A face of one of the solids then has lower energy than the
 /// plane of the edges.
 const PARALLEL: f64 = 1e-6;
+
+/// Fraction of the gap by which separated solids move before they are evaluated again.
+const CLOSER: f64 = 0.9;
 
 /// A candidate for the plane between two solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,6 +156,10 @@ pub(crate) struct Blocks {
     /// Number of points that share the law.
     share: usize,
     across: Across,
+    /// Displacement since the interval began below which the separated solids cannot touch; 0 if unknown `[m]`.
+    clear: f64,
+    /// Whether the solids have moved since they were last evaluated.
+    is_stale: bool,
 }
 
 impl Blocks {
@@ -173,6 +181,8 @@ impl Blocks {
                 normal: Vector3::x(),
                 found: vec![Found::none(); points],
             },
+            clear: 0.0,
+            is_stale: false,
         }
     }
 
@@ -224,6 +234,7 @@ impl Blocks {
         self.across.depth = *depth;
         self.across.normal = *normal;
         self.across.found.copy_from_slice(found);
+        (self.clear, self.is_stale) = (other.clear, other.is_stale);
         if let (Solids::Cylinders(own), Solids::Cylinders(other)) =
             (&mut self.solids, &other.solids)
         {
@@ -235,6 +246,7 @@ impl Blocks {
     pub fn forget(&mut self) {
         self.across.plane = None;
         self.across.depth = f64::NEG_INFINITY;
+        self.clear = 0.0;
     }
 
     /// Returns whether they touched or touch by a different plane from that of `other`.
@@ -243,11 +255,40 @@ impl Blocks {
         one.plane != other.plane && (one.depth > 0.0 || other.depth > 0.0)
     }
 
+    /// Begins an interval: evaluates solids that have moved, and counts their displacements from here on.
+    pub fn update(&mut self, sides: [&Part; 2], touches: &mut [Touch], points: &[Point]) {
+        if self.is_stale {
+            let [first, second] = sides.map(|part| &part.rigid);
+            self.look(first, second, touches, points);
+        }
+        self.clear = 0.0;
+    }
+
+    /// Updates the plane for the current poses, unless the solids are separated and have moved by less than their gap
+    /// within the interval. The rims of a cylinder turn with the plane, so it is always updated.
+    #[inline]
+    pub fn look_if_near(&mut self, sides: [&Part; 2], touches: &mut [Touch], points: &[Point]) {
+        let [first, second] = sides;
+        if matches!(self.solids, Solids::Cylinders(_)) {
+            self.look(&first.rigid, &second.rigid, touches, points);
+            return;
+        }
+        let [one, other] = self.reaches();
+        let moved = first.way + second.way + first.turned * one + second.turned * other;
+        if moved < self.clear {
+            self.is_stale = true;
+            return;
+        }
+        self.look(&first.rigid, &second.rigid, touches, points);
+        self.clear = moved - CLOSER * self.across.depth.min(0.0);
+    }
+
     /// Updates the plane for the current poses. At a switch the contact states in `touches` are transferred to the
     /// points of the new plane.
     pub fn look(&mut self, first: &Rigid, second: &Rigid, touches: &mut [Touch], points: &[Point]) {
         let reaches = self.reaches();
         let gap = (second.position - first.position).norm() - reaches[0] - reaches[1];
+        self.is_stale = false;
         let across = &mut self.across;
         if gap > 0.0 && across.depth <= 0.0 {
             across.plane = None;

@@ -145,6 +145,7 @@ impl Islands {
     }
 
     /// Returns the items of the selected islands.
+    #[inline]
     pub fn all(&self, kind: Kind) -> &[usize] {
         let (start, end) = self.scope[kind as usize];
         &self.grouped[kind as usize].items[start..end]

@@ -51,11 +51,13 @@ impl PointLaw {
     }
 
     /// Returns max(0, K p + B p') for a penetration p above 0 `[N]`.
+    #[inline]
     pub fn normal_force(&self, penetration: f64, rate: f64) -> f64 {
         (self.stiffness * penetration + self.damping * rate).max(0.0)
     }
 
     /// Limits the bristle to the deflection mu N/k_t that a normal force `[N]` can hold.
+    #[inline]
     pub fn cut(&self, bristle: Vector3, normal_force: f64) -> Cut {
         if normal_force <= 0.0 || self.friction <= 0.0 {
             return Cut {
@@ -84,6 +86,7 @@ impl PointLaw {
     /// Returns the damper's part of the friction force `[N]` at a tangential velocity `[m/s]`. Bristle and damper
     /// force together are limited to mu N. The damper dissipates energy at any velocity, because the bristle force
     /// itself is within the limit.
+    #[inline]
     pub fn bristle_damping(
         &self,
         bristle: &Vector3,
@@ -121,22 +124,44 @@ impl PointLaw {
     }
 }
 
+/// Transport of tangential vectors from one plane to another, by the smallest rotation between their normals.
+pub(crate) struct Transport<'a> {
+    to: &'a Vector3,
+    /// Cosine of the rotation, and its axis with the length of the sine; `None` for equal normals.
+    turn: Option<(f64, Vector3)>,
+}
+
+impl<'a> Transport<'a> {
+    /// Creates the transport from a plane with normal `from` to one with normal `to`.
+    #[inline]
+    pub fn new(from: &Vector3, to: &'a Vector3) -> Self {
+        let cosine = from.dot(to);
+        let is_same = from.x == to.x && from.y == to.y && from.z == to.z && cosine == 1.0;
+        Self {
+            to,
+            turn: (!is_same).then(|| (cosine, from.cross(to))),
+        }
+    }
+
+    /// Transports a vector.
+    #[inline]
+    pub fn of(&self, vector: Vector3) -> Vector3 {
+        let turned = match &self.turn {
+            // Rodrigues' formula.
+            Some((cosine, axis)) if *cosine > -0.5 => {
+                vector * *cosine + axis.cross(&vector) + axis * (axis.dot(&vector) / (1.0 + cosine))
+            }
+            _ => vector,
+        };
+        turned - self.to * self.to.dot(&turned)
+    }
+}
+
 /// Transports a tangential `vector` from a plane with normal `from` to one with normal `to`, by the smallest rotation
 /// between the normals.
 #[inline]
 pub(crate) fn carried(vector: Vector3, from: &Vector3, to: &Vector3) -> Vector3 {
-    let cosine = from.dot(to);
-    if from == to && cosine == 1.0 {
-        return vector - to * to.dot(&vector);
-    }
-    let axis = from.cross(to);
-    let turned = if cosine > -0.5 {
-        // Rodrigues' formula; the axis has the length of the sine.
-        vector * cosine + axis.cross(&vector) + axis * (axis.dot(&vector) / (1.0 + cosine))
-    } else {
-        vector
-    };
-    turned - to * to.dot(&turned)
+    Transport::new(from, to).of(vector)
 }
 
 #[cfg(test)]

@@ -157,11 +157,13 @@ impl Nearby {
     }
 
     /// Returns the indices of the active points of the selected islands.
+    #[inline]
     pub fn numbers(&self) -> &[usize] {
         self.islands.all(Kind::Points)
     }
 
     /// Returns the indices of the tools and bodies of the selected islands.
+    #[inline]
     pub fn parts(&self) -> &[usize] {
         self.islands.all(Kind::Parts)
     }
@@ -394,6 +396,7 @@ pub(crate) fn approach(first: &Part, second: &Part, of_first: f64, of_second: f6
 }
 
 /// Returns an upper bound of a point's displacement since the interval began, in the axes of the second `[m]`.
+#[inline]
 pub(crate) fn approached(first: &Part, second: &Part, point: &Point) -> f64 {
     let way = first.way + first.turned * point.lever + second.way;
     if second.turned > 0.0 {

@@ -67,6 +67,7 @@ pub(crate) struct Point {
 
 impl Point {
     /// Returns the position of the sphere's centre `[m]`.
+    #[inline]
     pub fn centre_of(&self, first: &Rigid) -> Vector3 {
         if self.is_off_centre {
             first.position + first.orientation * self.centre
@@ -77,6 +78,7 @@ impl Point {
 
     /// Returns 1 if the tool is the first of the two, on which the contact force acts, and -1 if it is the second, on
     /// which the opposite force acts.
+    #[inline]
     pub fn sign_on(&self, tool: usize) -> Option<f64> {
         if self.first == tool {
             Some(1.0)
@@ -88,10 +90,15 @@ impl Point {
     }
 
     /// Returns the tool of the pair, if any: two tools never collide.
+    #[inline]
     pub fn tool(&self, tools: usize) -> Option<usize> {
-        [self.first, self.second]
-            .into_iter()
-            .find(|&side| side < tools)
+        if self.first < tools {
+            Some(self.first)
+        } else if self.second < tools {
+            Some(self.second)
+        } else {
+            None
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! State of a contact point: force, bristle, and sums since the interval began.
 
-use crate::contact::law::{Mode, PointLaw, carried};
+use crate::contact::law::{Mode, PointLaw, Transport};
 use crate::contact::pairs::Point;
 use crate::dynamics::moving_body::Part;
 use crate::geometry::rigid::Vector3;
@@ -164,14 +164,17 @@ impl Touch {
         }
     }
 
+    #[inline]
     pub fn is_apart(&self) -> bool {
         self.mode == Mode::Free
     }
 
-    /// Copies the state of `other`. Separated contacts differ only in these fields.
+    /// Copies the state of `other`, the same contact at another time of the same interval. A separated contact changes only
+    /// in these fields.
+    #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         if self.is_apart() && other.is_apart() {
-            (self.past, self.clear) = (other.past, other.clear);
+            (self.clear, self.past.handed) = (other.clear, other.past.handed);
         } else {
             *self = *other;
         }
@@ -179,25 +182,39 @@ impl Touch {
 
     /// Returns whether the mode differs from that of `other`, or a pressing contact has crossed an edge to another
     /// face.
+    #[inline]
     pub fn changed_from(&self, other: &Self) -> bool {
         self.mode != other.mode || !self.is_apart() && self.normal.dot(&other.normal) < SAME_FACE
     }
 
-    /// Adds half a sub-step under the force, whose impulse acts `at` `[s]`, to the sums. The relative velocity changes
-    /// linearly to `relative`; the tool, if one of the two is, moves with its own mean velocity.
-    pub fn entry(&mut self, relative: &Vector3, tool: Option<(&Part, f64)>, [half, at]: [f64; 2]) {
+    /// Adds the impulse of half a sub-step under the force, which acts `at` `[s]`, to the sums. `tool`: the tool, if one
+    /// of the two is, with its sign.
+    #[inline]
+    pub fn entry(&mut self, tool: Option<(&Part, f64)>, [half, at]: [f64; 2]) {
         let impulse = self.force * half;
         self.past.impulse += impulse;
         self.past.moment += impulse * at;
+        if let Some((part, sign)) = tool
+            && part.has_torque
+        {
+            let arm = self.place - part.rigid.position;
+            self.past.angular_impulse += arm.cross(&(impulse * sign));
+        }
+    }
+
+    /// Adds the work of half a sub-step under the force to the sums. The relative velocity changes linearly to
+    /// `relative`; the tool, if one of the two is, moves with its own mean velocity.
+    #[inline]
+    pub fn entry_of_work(&mut self, relative: &Vector3, tool: Option<(&Part, f64)>, half: f64) {
+        let impulse = self.force * half;
         let apparent = half * self.apparent_power;
         self.past.work += 0.5 * impulse.dot(&(self.relative + relative)) + apparent;
         if let Some((part, sign)) = tool {
             let on_tool = impulse * sign;
-            let arm = self.place - part.rigid.position;
             let mut mean = part.mean.velocity;
             if part.has_torque {
+                let arm = self.place - part.rigid.position;
                 let by_turning = part.mean.turning.cross(&arm);
-                self.past.angular_impulse += arm.cross(&on_tool);
                 mean += by_turning;
                 if part.led {
                     self.past.work_on_led_turn += on_tool.dot(&by_turning);
@@ -210,6 +227,7 @@ impl Touch {
 
     /// Applies a penetration above 0 and an approach speed `[m/s]`. The force is the law's force for penetration and
     /// rate, times the slope: the gradient of the penetration's energy.
+    #[inline]
     pub fn press(&mut self, point: &Point, met: &Met, approach: f64) {
         if self.is_apart() {
             self.normal = met.normal;
@@ -248,7 +266,14 @@ impl Touch {
     /// Transports the bristle with the contact plane, adds the earlier slip and the slip `way` `[m]`, and limits it
     /// to the normal force. Its damper uses the velocity of the first relative to the second that is `expected` at
     /// the end of the sub-step `[m/s]`.
-    pub fn rub(&mut self, point: &Point, normal: Vector3, way: Vector3, expected: &Vector3) {
+    #[inline]
+    pub fn rub<const BOOKS: bool>(
+        &mut self,
+        point: &Point,
+        normal: Vector3,
+        way: Vector3,
+        expected: &Vector3,
+    ) {
         let law = &point.law;
         // A limit scales the new force.
         let scale = core::mem::replace(&mut self.elastic_scale, 1.0);
@@ -258,13 +283,16 @@ impl Touch {
             self.slid = Vector3::zeros();
             return;
         }
-        let before = carried(self.bristle, &self.normal, &normal);
-        let slid = carried(self.slid, &self.normal, &normal);
+        let transport = Transport::new(&self.normal, &normal);
+        let before = transport.of(self.bristle);
+        let slid = transport.of(self.slid);
         let follows = before + slid + way - normal * normal.dot(&way);
         let cut = law.cut(follows, self.normal_force);
-        let torn = (before + cut.bristle).dot(&(follows - cut.bristle));
-        let lost = 0.5 * law.friction_stiffness * torn * scale;
-        self.past.dissipated += lost.max(0.0);
+        if BOOKS && cut.mode != Mode::Sticks {
+            let torn = (before + cut.bristle).dot(&(follows - cut.bristle));
+            let lost = 0.5 * law.friction_stiffness * torn * scale;
+            self.past.dissipated += lost.max(0.0);
+        }
         self.bristle = cut.bristle;
         self.mode = cut.mode;
         self.slid = Vector3::zeros();
@@ -273,6 +301,7 @@ impl Touch {
     }
 
     /// Returns the normal and friction force on the first `[N]`.
+    #[inline]
     pub fn force_of(&self, point: &Point) -> Vector3 {
         let elastic = self.normal * self.normal_force - self.bristle * point.law.friction_stiffness;
         if point.law.friction_damping > 0.0 {
@@ -319,7 +348,8 @@ impl Touch {
     }
 
     /// Computes the damping power at a relative velocity: (N - K p) p' of the material, and that of the bristle.
-    pub fn watch_damping(
+    #[inline]
+    pub fn watch_damping<const BOOKS: bool>(
         &mut self,
         point: &Point,
         relative: &Vector3,
@@ -329,15 +359,25 @@ impl Touch {
         if point.is_held {
             return;
         }
-        let apparent =
-            first.apparent_velocity_at(&self.place) - second.apparent_velocity_at(&self.place);
-        let rate = -self.normal.dot(&(relative + apparent));
+        let mut felt = *relative;
+        self.apparent_power = 0.0;
+        if first.moves_apparently() || second.moves_apparently() {
+            let apparent =
+                first.apparent_velocity_at(&self.place) - second.apparent_velocity_at(&self.place);
+            felt += apparent;
+            self.apparent_power = self.by_damping * self.normal.dot(&apparent);
+            if point.law.friction_damping > 0.0 {
+                self.apparent_power += self.by_rubbing.dot(&apparent);
+            }
+        }
+        let rate = -self.normal.dot(&felt);
         self.missed = rate - self.expected;
+        if !BOOKS {
+            return;
+        }
         self.damping_power = (self.by_damping * rate).max(0.0);
-        self.apparent_power = self.by_damping * self.normal.dot(&apparent);
         if point.law.friction_damping > 0.0 {
-            self.damping_power += (-self.by_rubbing.dot(&(relative + apparent))).max(0.0);
-            self.apparent_power += self.by_rubbing.dot(&apparent);
+            self.damping_power += (-self.by_rubbing.dot(&felt)).max(0.0);
         }
     }
 }

@@ -36,7 +36,7 @@ use crate::error::out_of_range;
 use crate::geometry::rigid::Vector3;
 use crate::{WorldError, WorldField, WorldLoop, WorldPart};
 
-pub use hand::WorldHandBound;
+pub use hand::{WorldHandBound, WorldHandLimit};
 
 /// Bound on the delivered energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -234,13 +234,8 @@ impl Account {
         let kept = params.map_or(0, |params| params.late + 1);
         let tracked = if kept > 0 { tools } else { 0 };
         let hand = params.and_then(|params| params.hand);
-        let motion = |tool: usize| {
-            ToolMotion::new(hand.map(|hand| WorldHandBound {
-                least_mass:
-                    (loop_params.guard_masses.get(tool)).map_or(hand.least_mass, |own| *own),
-                ..hand
-            }))
-        };
+        let motion =
+            |tool: usize| ToolMotion::new(hand, loop_params.guard_masses.get(tool).copied());
         Self {
             there: 0.0,
             ports: [0.0; MAX_LATE + 1],

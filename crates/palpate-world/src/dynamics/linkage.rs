@@ -411,9 +411,9 @@ mod tests {
         let sub_step = h / 64.0;
         for _ in 0..64 {
             carried.carry(&mut part, sub_step);
-            part.first_push(0.5 * sub_step);
+            part.first_push::<true>(0.5 * sub_step);
             part.drift(sub_step);
-            part.second_push(0.5 * sub_step);
+            part.second_push::<true>(0.5 * sub_step);
         }
         let off = (part.rigid.position - fine.position).norm();
         let faster = (part.rigid.velocity - fine.velocity).norm();

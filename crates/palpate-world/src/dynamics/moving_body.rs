@@ -32,8 +32,9 @@ pub(crate) struct Drive {
 
 impl Drive {
     /// Returns whether the acceleration depends on neither position nor velocity.
+    #[inline]
     fn is_constant(&self) -> bool {
-        self.damping_rate == Vector3::zeros() && self.spring_rate == Vector3::zeros()
+        is_zero(&self.damping_rate) && is_zero(&self.spring_rate)
     }
 
     pub fn constant(acceleration: Vector3) -> Self {
@@ -50,6 +51,7 @@ impl Drive {
     }
 
     /// Returns the acceleration at a position, without the part that depends on the current velocity `[m/s^2]`.
+    #[inline]
     fn at(&self, axes: &OwnAxes, position: &Vector3) -> Vector3 {
         if self.is_constant() {
             return self.acceleration;
@@ -57,6 +59,12 @@ impl Drive {
         self.acceleration + scaled(axes, &self.damping_rate, &self.velocity)
             - scaled(axes, &self.spring_rate, &(position - self.position))
     }
+}
+
+/// Returns whether all components are 0; an equality of vectors takes several times as long.
+#[inline]
+fn is_zero(vector: &Vector3) -> bool {
+    vector.x == 0.0 && vector.y == 0.0 && vector.z == 0.0
 }
 
 /// Velocity of the centre of mass `[m/s]` and angular velocity `[rad/s]`.
@@ -80,6 +88,8 @@ impl Twist {
 pub(crate) struct Part {
     /// Whether it is a fixed body, which never changes.
     pub is_fixed: bool,
+    /// Whether it is a tool.
+    pub is_tool: bool,
     pub rigid: Rigid,
     pub mobility: Mobility,
     pub drive: Drive,
@@ -99,7 +109,7 @@ pub(crate) struct Part {
     pub torque: Vector3,
     /// Change of its velocity over the last half sub-step `[m/s]`.
     pub gained: Vector3,
-    /// Mean twist over the last half sub-step, which gives the power of a constant force over it.
+    /// Mean twist of a tool over the last half sub-step, which gives the power of a constant force over it.
     pub mean: Twist,
     /// Work of its drive since the interval began `[J]`.
     pub driven: f64,
@@ -126,6 +136,7 @@ impl Part {
         let none = Vector3::zeros();
         Self {
             is_fixed: false,
+            is_tool: false,
             rigid,
             mobility,
             drive,
@@ -236,6 +247,7 @@ impl Part {
         self.rigid.spin = self.mobility.spin(&self.rigid.orientation, turning);
     }
 
+    #[inline]
     fn turning(&self, spin: &Vector3) -> Vector3 {
         if self.mobility.does_not_turn() {
             Vector3::zeros()
@@ -244,6 +256,7 @@ impl Part {
         }
     }
 
+    #[inline]
     fn update_twist(&mut self) {
         self.twist = Twist {
             velocity: self.rigid.velocity,
@@ -288,42 +301,53 @@ impl Part {
         }
     }
 
-    /// Applies the push of the first half of a sub-step.
-    pub fn first_push(&mut self, half: f64) {
+    /// Applies the push of the first half of a sub-step. Without `BOOKS` the work is not summed.
+    #[inline]
+    pub fn first_push<const BOOKS: bool>(&mut self, half: f64) {
         let before = self.rigid.velocity;
-        let axes = self.axes_of_drive();
-        let mut by_drive = self.drive.at(axes, &self.rigid.position);
+        let mut by_drive = self.drive.acceleration;
         if !self.drive.is_constant() {
-            by_drive -= scaled(axes, &self.drive.damping_rate, &before);
+            let axes = self.axes_of_drive();
+            by_drive = self.drive.at(axes, &self.rigid.position)
+                - scaled(axes, &self.drive.damping_rate, &before);
         }
         let by_drive = by_drive * half;
         let by_contacts = self.mobility.acceleration(&self.force) * half;
-        let torque = self.turning_drive.first_torque(&self.rigid);
-        self.push(before, by_drive, by_contacts, torque, half);
+        let torque = if self.turning_drive.acts() {
+            self.turning_drive.first_torque(&self.rigid)
+        } else {
+            Vector3::zeros()
+        };
+        self.push::<BOOKS>(before, by_drive, by_contacts, torque, half);
     }
 
     /// Applies the push of the second half, with the drive's damping at its end, so that both halves together are of
     /// second order.
-    pub fn second_push(&mut self, half: f64) {
+    #[inline]
+    pub fn second_push<const BOOKS: bool>(&mut self, half: f64) {
         let before = self.rigid.velocity;
-        let axes = self.axes_of_drive();
         let by_contacts = self.mobility.acceleration(&self.force) * half;
-        let sum = before + by_contacts + self.drive.at(axes, &self.rigid.position) * half;
         let after = if self.drive.is_constant() {
-            sum
+            before + by_contacts + self.drive.acceleration * half
         } else {
+            let axes = self.axes_of_drive();
+            let sum = before + by_contacts + self.drive.at(axes, &self.rigid.position) * half;
             let rates = &self.drive.damping_rate;
             let after = own(axes, &sum).zip_map(rates, |v, rate| v / (1.0 + half * rate));
             out(axes, &after)
         };
-        let torque = self
-            .turning_drive
-            .second_torque(&self.rigid, &self.torque, half);
+        let torque = if self.turning_drive.acts() {
+            self.turning_drive
+                .second_torque(&self.rigid, &self.torque, half)
+        } else {
+            Vector3::zeros()
+        };
         let by_drive = after - before - by_contacts;
-        self.push(before, by_drive, by_contacts, torque, half);
+        self.push::<BOOKS>(before, by_drive, by_contacts, torque, half);
     }
 
-    fn push(
+    #[inline]
+    fn push<const BOOKS: bool>(
         &mut self,
         before: Vector3,
         by_drive: Vector3,
@@ -335,9 +359,16 @@ impl Part {
         self.rigid.velocity += self.gained;
         let spun = (self.torque + torque) * half;
         self.rigid.spin += spun;
+        self.update_twist();
+        if !BOOKS {
+            return;
+        }
         let mean = before + self.gained * 0.5;
         self.driven += self.mobility.weighted(&by_drive, &mean);
-        self.update_twist();
+        // A body has no torque of its own, and nothing needs its mean twist.
+        if !self.is_tool {
+            return;
+        }
         self.mean = Twist {
             velocity: self.rigid.velocity - self.gained * 0.5,
             turning: self.twist.turning,
@@ -351,30 +382,41 @@ impl Part {
     }
 
     /// Moves for `h` `[s]` without a push, and predicts the end of the sub-step.
+    #[inline]
     pub fn drift(&mut self, h: f64) {
         let rigid = &mut self.rigid;
         rigid.position += rigid.velocity * h;
         self.way += rigid.velocity.norm() * h;
+        self.ahead = Twist {
+            velocity: self.twist.velocity + self.gained + self.drive.apparent_velocity,
+            turning: self.turning_drive.apparent_turning,
+        };
+        if self.mobility.does_not_turn() {
+            return;
+        }
         let before = self.twist.turning;
         // The change of a drive's torque over a sub-step is ignored; its effect is of third order.
-        let torque = self.torque + self.turning_drive.first_torque(rigid);
-        if !self.mobility.does_not_turn() {
-            rigid.orientation = self.mobility.turned(&rigid.orientation, &rigid.spin, h);
-            self.turned += self.mobility.angular.max() * rigid.spin.norm() * h;
+        let mut torque = self.torque;
+        if self.turning_drive.acts() {
+            torque += self.turning_drive.first_torque(rigid);
+        }
+        rigid.orientation = self
+            .mobility
+            .turned(&rigid.orientation, &before, &rigid.spin, h);
+        self.turned += self.mobility.angular.max() * rigid.spin.norm() * h;
+        // The angular velocity of a round body stays along its angular momentum.
+        if !self.mobility.is_round {
             self.update_twist();
             let change = self.twist.turning - before;
             if !self.led {
                 self.turning_error += 0.5 * self.rigid.spin.dot(&change);
             }
         }
-        self.ahead = Twist {
-            velocity: self.twist.velocity + self.gained + self.drive.apparent_velocity,
-            turning: self.turning(&(self.rigid.spin + torque * (0.5 * h)))
-                + self.turning_drive.apparent_turning,
-        };
+        self.ahead.turning += self.turning(&(self.rigid.spin + torque * (0.5 * h)));
     }
 
     /// Returns the velocity of its material at `place` for the motion `twist` `[m/s]`.
+    #[inline]
     pub fn velocity_at(&self, twist: &Twist, place: &Vector3) -> Vector3 {
         twist.velocity + twist.turning.cross(&(place - self.rigid.position))
     }
@@ -392,6 +434,14 @@ impl Part {
         (self.rigid.velocity + self.step.velocity).norm() + turning * radius + pushed * h
     }
 
+    /// Returns whether it has a velocity that only contact damping uses.
+    #[inline]
+    pub fn moves_apparently(&self) -> bool {
+        self.is_tool
+            && !(is_zero(&self.drive.apparent_velocity)
+                && is_zero(&self.turning_drive.apparent_turning))
+    }
+
     /// Returns the velocity at `place` that only contact damping uses `[m/s]`.
     pub fn apparent_velocity_at(&self, place: &Vector3) -> Vector3 {
         let turning = &self.turning_drive.apparent_turning;
@@ -399,6 +449,7 @@ impl Part {
     }
 
     /// Adds the force of a contact at `place`.
+    #[inline]
     pub fn load(&mut self, force: &Vector3, place: &Vector3) {
         self.force += force;
         if self.has_torque && !self.led {

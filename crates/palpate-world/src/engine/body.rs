@@ -43,6 +43,18 @@ pub enum Stepping {
     Parts(u32),
 }
 
+impl Stepping {
+    /// Returns the distance that a step moves a body beyond the exact motion, per step and per velocity change.
+    pub(super) fn ahead(self) -> f64 {
+        match self {
+            Self::MeanVelocity => 0.0,
+            Self::EndVelocity => 0.5,
+            // Part k of n ends with k/n of the velocity change.
+            Self::Parts(parts) => 0.5 / f64::from(parts.max(1)),
+        }
+    }
+}
+
 /// State of an engine's body at the beginning of a step, along the world's axes. The engine takes torques about the
 /// body's reference point, usually the centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -18,6 +18,7 @@ use crate::geometry::rigid::{Mobility, Rigid, Rotation, Vector3};
 use crate::integration::interval::MAX_TIMES;
 use crate::integration::yielding::ForceLimit;
 use crate::method::coupled::{Coupled, MIN_FORCE};
+use crate::method::coupled_proxy::SLOWLY_BACK;
 use crate::{
     ContactLedger, CoupledParams, Effort, Limited, Mode, Sample, Tool, ToolState, Vector,
     WorldError, WorldErrors, WorldField, WorldGuard, WorldLoop, WorldPart,
@@ -282,19 +283,11 @@ impl Coupling {
         }
         for (offset, touched) in state.offsets.iter_mut().zip(&mut state.is_body_touched) {
             if !*touched {
-                let way = self.coupled.offset_return * elapsed;
-                let norm = offset.0.fixed_rows::<3>(0).norm();
-                let kept = if norm > way { 1.0 - way / norm } else { 0.0 };
                 let turned = 1.0 - (elapsed / self.coupled.velocity_return).min(1.0);
-                offset.0.fixed_rows_mut::<3>(0).scale_mut(kept);
-                offset.0.fixed_rows_mut::<3>(3).scale_mut(turned);
+                let kept = 1.0 - (elapsed / SLOWLY_BACK).min(1.0);
+                offset.decay(self.coupled.offset_return * elapsed, kept, turned);
             }
-            let norm = offset.0.fixed_rows::<3>(0).norm();
-            if norm > self.coupled.offset_limit {
-                let kept = self.coupled.offset_limit / norm;
-                offset.0.fixed_rows_mut::<3>(0).scale_mut(kept);
-                state.limited.offset = true;
-            }
+            state.limited.offset |= offset.limit(self.coupled.offset_limit);
             *touched = false;
         }
     }

@@ -30,11 +30,53 @@ pub(super) struct Image {
 
 /// Offset of an image from its body: translation `[m]` and rotation vector `[rad]`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ImageOffset(pub Vector6<f64>);
+pub(super) struct ImageOffset {
+    pub now: Vector6<f64>,
+    /// Translation that the engine's integrator causes at the body's velocity `[m]`: a body that it accelerates from
+    /// rest is ahead of the continuous motion by this distance, wherever no force varies within a step.
+    pub of_stepping: Vector3,
+}
 
 impl ImageOffset {
     pub fn none() -> Self {
-        Self(Vector6::zeros())
+        Self {
+            now: Vector6::zeros(),
+            of_stepping: Vector3::zeros(),
+        }
+    }
+
+    /// Decays the offset of a body without contact: the translation by at most `way` `[m]` and at most to the part
+    /// `kept`, the rotation to the part `turned`.
+    ///
+    /// The translation decays to the nearest one between 0 and that of the integrator. A decay of the latter does the
+    /// work of the body's other forces over it in each flight, at the same phase of the steps in each bounce, and a
+    /// body pressed on a device can bounce on by that energy.
+    pub fn decay(&mut self, way: f64, kept: f64, turned: f64) {
+        let offset = linear(&self.now);
+        let of_stepping = &self.of_stepping;
+        let square = of_stepping.norm_squared();
+        let part = if square > 0.0 {
+            (offset.dot(of_stepping) / square).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let nearest = of_stepping * part;
+        let rest = offset - nearest;
+        let norm = rest.norm();
+        let left = if norm > way { 1.0 - way / norm } else { 0.0 };
+        let translation = nearest + rest * left.max(kept);
+        self.now.fixed_rows_mut::<3>(0).copy_from(&translation);
+        self.now.fixed_rows_mut::<3>(3).scale_mut(turned);
+    }
+
+    /// Shortens a translation beyond `most` `[m]` to it. Returns whether it was longer.
+    pub fn limit(&mut self, most: f64) -> bool {
+        let norm = linear(&self.now).norm();
+        let is_beyond = norm > most;
+        if is_beyond {
+            self.now.fixed_rows_mut::<3>(0).scale_mut(most / norm);
+        }
+        is_beyond
     }
 }
 
@@ -77,8 +119,8 @@ impl Image {
         let turned = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
         let twist = body.twist();
         Self {
-            position: Vector3::from(body.position) + linear(&offset.0),
-            orientation: Rotation::from_scaled_axis(angular(&offset.0)) * turned,
+            position: Vector3::from(body.position) + linear(&offset.now),
+            orientation: Rotation::from_scaled_axis(angular(&offset.now)) * turned,
             twist,
             ahead: twist,
             acceleration: six(&body.acceleration, &body.angular_acceleration),
@@ -183,17 +225,13 @@ impl Image {
         }
     }
 
-    /// Returns the displacement of the image over the step of `h` `[s]` minus that of a body that `stepping`
+    /// Adds to an offset the displacement of the image over the step of `h` `[s]` minus that of a body that `stepping`
     /// integrates under the mean wrench.
-    pub fn ahead_of(&self, body: &BodyNow, stepping: Stepping, h: f64) -> Vector6<f64> {
+    pub fn lead(&self, offset: &mut ImageOffset, body: &BodyNow, stepping: Stepping, h: f64) {
         let before = body.twist();
         let gained = self.acceleration * h + self.mobility * self.impulse;
-        let velocity = match stepping {
-            Stepping::MeanVelocity => before + gained * 0.5,
-            Stepping::EndVelocity => before + gained,
-            // Part k of n ends with k/n of the velocity change.
-            Stepping::Parts(parts) => before + gained * (0.5 + 0.5 / f64::from(parts.max(1))),
-        };
-        self.way - velocity * h
+        let ahead = stepping.ahead();
+        offset.now += self.way - (before + gained * (0.5 + ahead)) * h;
+        offset.of_stepping = linear(&(before + gained)) * (-ahead * h);
     }
 }

@@ -263,7 +263,7 @@ impl SubStepped for Meeting {
 
     fn sub_step(&mut self, pairs: &[Pair], h: f64) {
         let half = 0.5 * h;
-        self.push(half, Part::first_push);
+        self.push(half, Part::first_push::<true>);
         self.entry(pairs, half);
         for (number, tool) in self.tools.iter_mut().enumerate() {
             self.leads[number] += self.impulses[number] * h;
@@ -279,7 +279,7 @@ impl SubStepped for Meeting {
             }
         }
         self.meet(pairs, half);
-        self.push(half, Part::second_push);
+        self.push(half, Part::second_push::<true>);
         self.entry(pairs, half);
         if self.expects_the_missed {
             for (touch, pair) in self.touches.iter_mut().zip(pairs) {

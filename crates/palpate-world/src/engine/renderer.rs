@@ -105,7 +105,7 @@ impl EngineRenderer {
             if let Some(pushed) = &mut pushed[number] {
                 pushed.impulse = image.impulse;
             }
-            offsets[number].0 += image.ahead_of(body, self.stepping, h);
+            image.lead(&mut offsets[number], body, self.stepping, h);
             state.is_body_touched[number] |= image.impulse.norm() > 0.0;
         }
     }

@@ -16,16 +16,19 @@ pub(crate) struct Axes {
 pub(crate) type OwnAxes = Option<Matrix3>;
 
 /// Transforms a vector from the world's axes to these axes.
+#[inline]
 pub(crate) fn own(axes: &OwnAxes, vector: &Vector3) -> Vector3 {
     axes.as_ref().map_or(*vector, |axes| axes.tr_mul(vector))
 }
 
 /// Transforms a vector from these axes to the world's axes.
+#[inline]
 pub(crate) fn out(axes: &OwnAxes, own: &Vector3) -> Vector3 {
     axes.as_ref().map_or(*own, |axes| axes * own)
 }
 
 /// Scales a vector of the world along each of these axes by its own factor.
+#[inline]
 pub(crate) fn scaled(axes: &OwnAxes, factors: &Vector3, vector: &Vector3) -> Vector3 {
     match axes {
         None => factors.component_mul(vector),

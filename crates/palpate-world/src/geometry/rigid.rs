@@ -21,6 +21,15 @@ pub(crate) struct Rigid {
     pub spin: Vector3,
 }
 
+impl Rigid {
+    /// Returns whether its axes are those of the world.
+    #[inline]
+    pub fn is_upright(&self) -> bool {
+        let q = self.orientation.quaternion();
+        q.w == 1.0 && q.i == 0.0 && q.j == 0.0 && q.k == 0.0
+    }
+}
+
 /// Response of a tool or body to forces and torques.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mobility {
@@ -56,25 +65,32 @@ impl Mobility {
     }
 
     /// Returns whether no torque turns the body.
+    #[inline]
     pub fn does_not_turn(&self) -> bool {
         self.is_round && self.angular.x == 0.0
     }
 
     /// Returns the acceleration by a force `[m/s^2]`.
+    #[inline]
     pub fn acceleration(&self, force: &Vector3) -> Vector3 {
         scaled(&self.linear_axes, &self.linear, force)
     }
 
     /// Returns the sum over all movable axes of the products of two vectors' components, divided by the mobility.
+    #[inline]
     pub fn weighted(&self, one: &Vector3, other: &Vector3) -> f64 {
-        let [one, other] = [one, other].map(|vector| own(&self.linear_axes, vector));
-        (0..3)
-            .filter(|&axis| self.linear[axis] > 0.0)
-            .map(|axis| one[axis] * other[axis] / self.linear[axis])
-            .sum()
+        let (one, other) = (own(&self.linear_axes, one), own(&self.linear_axes, other));
+        let mut sum = 0.0;
+        for axis in 0..3 {
+            if self.linear[axis] > 0.0 {
+                sum += one[axis] * other[axis] / self.linear[axis];
+            }
+        }
+        sum
     }
 
     /// Returns the angular velocity for an angular momentum `[rad/s]`.
+    #[inline]
     pub fn turning(&self, orientation: &Rotation, spin: &Vector3) -> Vector3 {
         if self.is_round {
             spin * self.angular.x
@@ -97,12 +113,16 @@ impl Mobility {
         orientation * spin
     }
 
-    /// Returns the orientation after `h` `[s]` without torque, to second order (midpoint rule).
-    pub fn turned(&self, orientation: &Rotation, spin: &Vector3, h: f64) -> Rotation {
-        if self.does_not_turn() {
-            return *orientation;
-        }
-        let start = self.turning(orientation, spin);
+    /// Returns the orientation after `h` `[s]` without torque, to second order (midpoint rule), for the angular velocity
+    /// `start` at its start `[rad/s]`.
+    #[inline]
+    pub fn turned(
+        &self,
+        orientation: &Rotation,
+        start: &Vector3,
+        spin: &Vector3,
+        h: f64,
+    ) -> Rotation {
         if self.is_round {
             return rotation(start * h) * orientation;
         }

@@ -134,11 +134,20 @@ impl Solid {
 
     /// Returns the surface point nearest to `point` `[m]`, with the solid as `placed`. For an interior point it is
     /// the point of least depth.
+    #[inline]
     pub fn nearest(&self, placed: &Rigid, point: &Vector3) -> Nearest {
         let off = point - placed.position;
-        if let Self::Ball { radius } = *self {
-            return from_core(off, radius);
+        match *self {
+            Self::Ball { radius } => from_core(off, radius),
+            Self::HalfSpace { normal, offset } if placed.is_upright() => {
+                Nearest::exact(normal.dot(&off) - offset, normal)
+            }
+            _ => self.nearest_turned(placed, off),
         }
+    }
+
+    /// Returns the nearest point for an offset `off` from the centre of the solid `[m]`.
+    fn nearest_turned(&self, placed: &Rigid, off: Vector3) -> Nearest {
         let own = placed.orientation.inverse_transform_vector(&off);
         let nearest = match *self {
             Self::Ball { radius } => from_core(own, radius),
@@ -167,6 +176,7 @@ impl Solid {
 
     /// Returns the nearest point, or a lower bound of the distance if the surface is certainly beyond `reach` `[m]`,
     /// which may be cheaper.
+    #[inline]
     pub fn nearest_within(&self, placed: &Rigid, point: &Vector3, reach: f64) -> Nearest {
         let Self::Grid { grid, .. } = self else {
             return self.nearest(placed, point);
@@ -203,6 +213,7 @@ impl Solid {
 }
 
 /// Returns the nearest point for an offset `off` from the core of a surface at `radius` around it.
+#[inline]
 fn from_core(off: Vector3, radius: f64) -> Nearest {
     let length = off.norm();
     let normal = if length > NO_DIRECTION {

@@ -37,6 +37,17 @@ impl TurningDrive {
         }
     }
 
+    /// Returns whether it has a torque at any orientation or angular momentum.
+    #[inline]
+    pub fn acts(&self) -> bool {
+        let torque = &self.torque;
+        self.stiffness > 0.0
+            || self.damping_rate != 0.0
+            || torque.x != 0.0
+            || torque.y != 0.0
+            || torque.z != 0.0
+    }
+
     /// Begins an interval.
     pub fn begin(&mut self, rigid: &Rigid) {
         self.spin = rigid.spin;

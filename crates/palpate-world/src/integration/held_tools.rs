@@ -199,7 +199,7 @@ impl HeldTools {
         let relative = relative(first, &first.twist, second, &second.twist, &place);
         let ahead = self::relative(first, &first.ahead, second, &second.ahead, &place);
         touch.press_held(point, &met, -normal.dot(&ahead));
-        touch.rub(point, normal, relative * half, &ahead);
+        touch.rub::<true>(point, normal, relative * half, &ahead);
         touch.normal = normal;
         touch.place = place;
         touch.relative = relative;

@@ -5,4 +5,5 @@ pub(crate) mod held_tools;
 pub(crate) mod interval;
 pub(crate) mod interval_ledger;
 pub(crate) mod moving;
+mod sub_step;
 pub(crate) mod yielding;

@@ -12,7 +12,6 @@ use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::{Nearest, Solid};
 use crate::integration::held_tools::HeldTools;
-use crate::integration::interval::SubStepped;
 use crate::integration::yielding::ForceLimit;
 
 /// A world in motion.
@@ -33,6 +32,8 @@ pub(crate) struct Moving {
     pub links: Vec<Link>,
     /// Linkage motion of each tool's proxy with a position-dependent mass; empty if no tool has one.
     pub carried: Vec<Option<Carried>>,
+    /// Whether sub-steps sum the work of each tool, body and contact.
+    pub keeps_books: bool,
     /// Whether contact dampers add the prediction error of the last sub-step to the velocity that they expect.
     pub expects_the_missed: bool,
     /// Tools that each contact holds at its own place; empty for other methods.
@@ -242,9 +243,14 @@ impl Moving {
     }
 
     /// Resets the clearances of all points, because displacements are counted from the start of the interval.
-    pub fn look_at_all(&mut self) {
+    pub fn look_at_all(&mut self, points: &[Point]) {
         for &number in self.nearby.numbers() {
             self.touches[number].clear = 0.0;
+        }
+        for &number in self.nearby.blocks() {
+            let blocks = &mut self.blocks[number];
+            let sides = blocks.parts.map(|number| &self.parts[number]);
+            blocks.update(sides, &mut self.touches, points);
         }
     }
 
@@ -254,14 +260,14 @@ impl Moving {
             part.settle();
         }
         self.gather(points, 0.0);
-        self.look_at_all();
-        self.meet(points, 0.0);
+        self.look_at_all(points);
+        self.meet::<true>(points, 0.0);
         self.measure(points);
     }
 
     /// Evaluates the contacts and their loads at the current positions, which were reached by moving for `half` a
     /// sub-step with the current velocities.
-    fn meet(&mut self, points: &[Point], half: f64) {
+    pub(super) fn meet<const BOOKS: bool>(&mut self, points: &[Point], half: f64) {
         self.look_at_shapes(points);
         for &number in self.nearby.numbers() {
             let (touch, point) = (&mut self.touches[number], &points[number]);
@@ -274,6 +280,12 @@ impl Moving {
             if let Solid::Mesh { surface, point, .. } = point.solid
                 && touch.is_apart()
                 && self.surfaces[surface].found(point).is_none()
+            {
+                continue;
+            }
+            if let Solid::Between { blocks, point, .. } = point.solid
+                && touch.is_apart()
+                && self.blocks[blocks].found(point).penetration <= 0.0
             {
                 continue;
             }
@@ -304,7 +316,7 @@ impl Moving {
                 let relative = relative(first, &first.twist, second, &second.twist, &place);
                 let ahead = self::relative(first, &first.ahead, second, &second.ahead, &place);
                 touch.press(point, &met, -normal.dot(&ahead));
-                touch.rub(point, normal, relative * half, &ahead);
+                touch.rub::<BOOKS>(point, normal, relative * half, &ahead);
                 touch.normal = normal;
                 touch.place = place;
                 touch.relative = relative;
@@ -348,8 +360,8 @@ impl Moving {
         }
         for &number in self.nearby.blocks() {
             let blocks = &mut self.blocks[number];
-            let [first, second] = blocks.parts.map(|number| &self.parts[number].rigid);
-            blocks.look(first, second, &mut self.touches, points);
+            let sides = blocks.parts.map(|number| &self.parts[number]);
+            blocks.look_if_near(sides, &mut self.touches, points);
         }
     }
 
@@ -360,7 +372,7 @@ impl Moving {
             if !touch.is_apart() {
                 let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
                 let relative = touch.relative;
-                touch.watch_damping(point, &relative, first, second);
+                touch.watch_damping::<true>(point, &relative, first, second);
             }
         }
         for &number in self.nearby.islands.all(Kind::Links) {
@@ -377,10 +389,9 @@ pub(super) fn overlap(
     surfaces: &[Surface],
     blocks: &[Blocks],
 ) -> Met {
-    let of_sphere = |nearest: Nearest| {
+    let of_sphere = |centre: Vector3, nearest: Nearest| {
         let penetration = point.radius - nearest.distance;
         let below = point.radius - 0.5 * penetration;
-        let centre = point.centre_of(&first.rigid);
         Met {
             penetration,
             normal: nearest.normal,
@@ -389,12 +400,17 @@ pub(super) fn overlap(
         }
     };
     match point.solid {
-        Solid::Mesh { surface, point, .. } => {
-            let found = surfaces[surface].found(point);
-            of_sphere(found.map_or(Nearest::far(), |found| Nearest {
+        Solid::Mesh {
+            surface,
+            point: number,
+            ..
+        } => {
+            let found = surfaces[surface].found(number);
+            let nearest = found.map_or(Nearest::far(), |found| Nearest {
                 normal: second.rigid.orientation * found.normal,
                 ..Nearest::exact(found.distance, found.normal)
-            }))
+            });
+            of_sphere(point.centre_of(&first.rigid), nearest)
         }
         Solid::Between {
             blocks: number,
@@ -413,123 +429,14 @@ pub(super) fn overlap(
         _ => {
             let centre = point.centre_of(&first.rigid);
             let solid = &point.solid;
-            of_sphere(solid.nearest_within(&second.rigid, &centre, point.radius))
+            let nearest = solid.nearest_within(&second.rigid, &centre, point.radius);
+            of_sphere(centre, nearest)
         }
     }
-}
-
-impl SubStepped for Moving {
-    type Pair = Point;
-
-    fn copy_near_from(&mut self, other: &Self) {
-        for &number in self.nearby.parts() {
-            self.parts[number].copy_motion_from(&other.parts[number]);
-        }
-        for &number in self.nearby.numbers() {
-            self.touches[number].copy_from(&other.touches[number]);
-        }
-        self.held.copy_near_from(&other.held, self.nearby.numbers());
-        self.elapsed = other.elapsed;
-        let islands = &self.nearby.islands;
-        for &number in islands.all(Kind::Surfaces) {
-            self.surfaces[number].copy_from(&other.surfaces[number]);
-        }
-        for &number in islands.all(Kind::Blocks) {
-            self.blocks[number].copy_from(&other.blocks[number]);
-        }
-        for &number in islands.all(Kind::Links) {
-            self.links[number] = other.links[number];
-        }
-    }
-
-    /// Performs one sub-step of `h` `[s]` with the velocity form of Verlet's method. Damping and friction use the
-    /// velocities expected at its end, which preserves second order.
-    fn sub_step(&mut self, points: &[Point], h: f64) {
-        let half = 0.5 * h;
-        for &number in self.nearby.parts() {
-            let part = &mut self.parts[number];
-            if let Some(Some(carried)) = self.carried.get(number) {
-                carried.carry(part, h);
-            }
-            part.first_push(half);
-        }
-        for &number in self.nearby.numbers() {
-            let (touch, point) = (&mut self.touches[number], &points[number]);
-            if touch.is_apart() {
-                continue;
-            }
-            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
-            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
-            let tool = tool_of(&self.parts, point, self.tools);
-            touch.entry(&relative, tool, [half, self.elapsed]);
-            touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
-        }
-        for &number in self.nearby.islands.all(Kind::Links) {
-            self.links[number].entry(&self.parts, half);
-        }
-        self.elapsed += h;
-        for &number in self.nearby.parts() {
-            self.parts[number].drift(h);
-        }
-        if self.held.is_holding {
-            self.add_held_damping(points, half);
-            self.held.move_on(&mut self.parts, h);
-        }
-        self.meet(points, half);
-        if self.held.is_holding {
-            self.add_held_damping(points, half);
-        }
-        for &number in self.nearby.parts() {
-            self.parts[number].second_push(half);
-        }
-        for &number in self.nearby.numbers() {
-            let (touch, point) = (&mut self.touches[number], &points[number]);
-            if touch.is_apart() {
-                continue;
-            }
-            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
-            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
-            touch.watch_damping(point, &relative, first, second);
-            if !self.expects_the_missed {
-                touch.missed = 0.0;
-            }
-            let tool = tool_of(&self.parts, point, self.tools);
-            touch.entry(&relative, tool, [half, self.elapsed]);
-            touch.relative = relative;
-        }
-        for &number in self.nearby.islands.all(Kind::Links) {
-            self.links[number].watch_damping(&self.parts);
-            self.links[number].entry(&self.parts, half);
-        }
-    }
-
-    fn changed_from(&self, other: &Self) -> bool {
-        let mut modes = self.nearby.numbers().iter();
-        let mut blocks = self.nearby.blocks().iter();
-        let mut links = self.nearby.islands.all(Kind::Links).iter();
-        modes.any(|&number| self.touches[number].changed_from(&other.touches[number]))
-            || blocks.any(|&number| self.blocks[number].changed_from(&other.blocks[number]))
-            || links.any(|&number| self.links[number].changed_from(&other.links[number]))
-    }
-
-    fn expect_the_missed(&mut self, is_added: bool) {
-        self.expects_the_missed = is_added;
-    }
-
-    fn expect_anew(&mut self) {
-        for &number in self.nearby.numbers() {
-            self.touches[number].missed = 0.0;
-        }
-    }
-}
-
-/// Returns the tool of a point's pair and its sign: see [`Point::sign_on`].
-fn tool_of<'a>(parts: &'a [Part], point: &Point, tools: usize) -> Option<(&'a Part, f64)> {
-    let tool = point.tool(tools)?;
-    Some((&parts[tool], point.sign_on(tool)?))
 }
 
 /// Returns the velocity of the first's material at `place` relative to the second's `[m/s]`.
+#[inline]
 pub(super) fn relative(
     first: &Part,
     of_first: &Twist,

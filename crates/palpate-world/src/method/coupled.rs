@@ -105,6 +105,7 @@ fn against(proxy: &Rigid, measured: &Vector3, device: &Motions) -> ProxyState {
         offset: proxy.position - measured - device.of(|axis| axis.offset),
         velocity_offset: proxy.velocity - device.of(|axis| axis.velocity),
         was_limited: false,
+        samples_apart: 0,
     }
 }
 
@@ -321,6 +322,7 @@ impl Coupled {
         interval.account(entry, &motion, linkage, work - to_turn);
 
         proxy.was_limited = device.proxy.was_limited || state.now.has_yielded(tool);
+        proxy.samples_apart = device.proxy.samples_apart;
         device.proxy = proxy;
         device.measured = position;
         device.touched = touched;
@@ -485,6 +487,8 @@ impl Coupled {
 /// Begins the prediction from the estimated devices at the sample.
 #[inline]
 fn begin_prediction(points: &[Point], state: &mut Progress, memory: &mut CoupledMemory) {
+    // A force needs impulses only.
+    state.ahead.keeps_books = false;
     state.ahead.continue_from(&state.now, points);
     exchange_gathered(&mut state.ahead, &mut state.now);
     for (tool, device) in memory.devices.iter_mut().enumerate() {

@@ -12,6 +12,8 @@ pub(crate) struct ProxyState {
     pub velocity_offset: Vector3,
     /// Whether a force limit acted since the offset was last 0.
     pub was_limited: bool,
+    /// Samples since the tool was last in contact.
+    pub samples_apart: u32,
 }
 
 impl ProxyState {
@@ -20,6 +22,7 @@ impl ProxyState {
             offset: Vector3::zeros(),
             velocity_offset: Vector3::zeros(),
             was_limited: false,
+            samples_apart: 0,
         }
     }
 }
@@ -28,10 +31,13 @@ impl ProxyState {
 const KEPT_IN_CONTACT: f64 = 0.05;
 /// Decay time of the excess offset in contact `[s]`.
 const BACK_IN_CONTACT: f64 = 1.0;
-/// Decay time of the offset of a tool without contact after a limited force `[s]`. The work of the hand over the
-/// offset is generated energy. Without a limit it averages out over the collisions; with one, a device in a hand that
-/// presses can keep bouncing at one phase of the samples.
-const BACK_AFTER_LIMIT: f64 = 0.2;
+/// Decay time of the offset in a short flight, or after a limited force `[s]`. The work of the hand and of the touched
+/// body over the offset is generated energy, and a constant rate generates the more in comparison with the damping,
+/// the smaller the bounces are. It averages out over bounces at different phases of the samples. A device in a hand
+/// that presses can keep bouncing at one phase, if its flights last a few samples or a force is limited.
+pub(crate) const SLOWLY_BACK: f64 = 0.2;
+/// Samples without contact up to which a flight is short.
+const SHORT_FLIGHT: u32 = 32;
 
 impl Coupled {
     /// Decays the proxy offset of a tool without contact. Returns the change of the offset.
@@ -40,11 +46,13 @@ impl Coupled {
             offset,
             velocity_offset,
             was_limited,
+            samples_apart,
         } = proxy;
         let norm = offset.norm();
         let mut most = self.offset_return * elapsed;
-        if *was_limited {
-            most = most.min(norm * (elapsed / BACK_AFTER_LIMIT));
+        *samples_apart = samples_apart.saturating_add(1);
+        if *was_limited || *samples_apart <= SHORT_FLIGHT {
+            most = most.min(norm * (elapsed / SLOWLY_BACK));
         }
         let back = if norm <= most {
             -*offset
@@ -63,6 +71,7 @@ impl Coupled {
     /// larger offset results from lost samples or an outlier, and would displace a wall for as long as it is pressed.
     /// The excess decays within about [`BACK_IN_CONTACT`], at most as fast as in free motion.
     pub fn walk_back_in_contact(&self, proxy: &mut ProxyState, elapsed: f64) -> Vector3 {
+        proxy.samples_apart = 0;
         let offset = &mut proxy.offset;
         let norm = offset.norm();
         let beyond = norm - KEPT_IN_CONTACT * self.offset_limit;

@@ -63,22 +63,32 @@ impl Slopes {
             return false;
         }
         let mut acted = false;
-        let (limits, gain) = (
-            &loop_params.force_limits,
-            loop_params.actuation.limit_gain(),
-        );
         let tools = self.sent.iter_mut().zip(&self.intended).zip(forces);
         for (tool, ((sent, intended), force)) in tools.enumerate() {
-            let mean = Vector3::from(*force);
-            let rise = intended * (0.5 * loop_params.period);
-            let part = limits
-                .get(tool)
-                .map_or(1.0, |most| within(&mean, &rise, most / gain));
-            acted |= part < 1.0;
-            *sent = (intended * part).into();
+            *sent = (*intended).into();
+            acted |= bound_slope(tool, force, sent, loop_params);
         }
         acted
     }
+}
+
+/// Bounds the `slope` `[N/s]` of a line such that both ends are no longer than the limit of its tool. `mean` `[N]` is
+/// within the limit. Returns whether it was bounded.
+pub(super) fn bound_slope(
+    tool: usize,
+    mean: &Vector,
+    slope: &mut Vector,
+    loop_params: &WorldLoop,
+) -> bool {
+    let Some(most) = loop_params.force_limits.get(tool) else {
+        return false;
+    };
+    let most = most / loop_params.actuation.limit_gain();
+    let intended = Vector3::from(*slope);
+    let rise = intended * (0.5 * loop_params.period);
+    let part = within(&Vector3::from(*mean), &rise, most);
+    *slope = (intended * part).into();
+    part < 1.0
 }
 
 /// Returns the part of a `rise` to both sides of a `mean` with which the ends are no longer than `most`, 0 to 1.

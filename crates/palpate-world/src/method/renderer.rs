@@ -87,6 +87,7 @@ impl WorldRenderer {
                     spin: Vector3::zeros(),
                 };
                 Part {
+                    is_tool: true,
                     has_torque: tool.turns,
                     led: tool.is_led(),
                     ..Part::new(nowhere, mobility, Drive::constant(Vector3::zeros()))
@@ -190,6 +191,7 @@ impl WorldRenderer {
             blocks: self.blocks.clone(),
             links: self.links.clone(),
             carried: vec![None; self.carried()],
+            keeps_books: true,
             expects_the_missed: false,
             held: self.method.held_tools(self),
             limits: self.limits_in_motion(),
@@ -456,7 +458,8 @@ impl WorldRenderer {
 
     /// Limits other forces and torques, to be held instead of the last output, to the limits of the loop and its
     /// guard. Returns which limits acted. `held` has one entry per tool; `parts` gives its force `[N]` and torque `[N
-    /// m]`. A guard that only reports in a tick only reports here.
+    /// m]`. A guard that only reports in a tick only reports here. [`keep_slope_within`](Self::keep_slope_within) bounds
+    /// the slopes of lines.
     pub fn keep_within<T>(
         &self,
         state: &WorldState,
@@ -480,6 +483,12 @@ impl WorldRenderer {
             }
         }
         limited
+    }
+
+    /// Bounds the slope `[N/s]` of a line with this `mean` `[N]`, kept within the limits of the loop, such that both
+    /// ends are within the force limit of the tool. Returns whether it was bounded.
+    pub fn keep_slope_within(&self, tool: usize, mean: &Vector, slope: &mut Vector) -> bool {
+        lines::bound_slope(tool, mean, slope, &self.loop_params)
     }
 }
 

@@ -7,7 +7,8 @@ use palpate_core::Actuation;
 use palpate_world::{
     BasicParams, Contact, ContactLaw, CoupledParams, Free, GodObjectParams, HfcrParams, IDENTITY,
     Party, PopcParams, Sample, SehParams, Shape, Tool, Vector, VirtualCouplingParams, World,
-    WorldGuard, WorldGuardParams, WorldHandBound, WorldLoop, WorldMethod, WorldRenderer,
+    WorldGuard, WorldGuardParams, WorldHandBound, WorldHandLimit, WorldLoop, WorldMethod,
+    WorldRenderer,
 };
 
 use crate::common::{ball, plane};
@@ -15,9 +16,15 @@ use crate::common::{ball, plane};
 const ALLOWANCE: f64 = 1e-3;
 const SPEED: f64 = 1.0;
 const TURNING: f64 = 30.0;
+const ACCELERATION: f64 = 80.0;
+const ANGULAR: f64 = 3000.0;
+const FORCE: f64 = 8.0;
+const TORQUE: f64 = 0.1;
 const HAND: WorldHandBound = WorldHandBound {
-    acceleration: 80.0,
-    turning: 3000.0,
+    limit: WorldHandLimit::Acceleration {
+        linear: ACCELERATION,
+        angular: ANGULAR,
+    },
     least_mass: [0.1, 0.15, 0.25],
     least_inertia: 3e-5,
 };
@@ -55,8 +62,8 @@ impl Random {
         let mut part = || [-1.0, 0.0, 1.0, self.between(-1.0, 1.0)][self.below(4)];
         let [x, y, z, turn] = [part(), part(), part(), part()];
         let along = Vector3::new(x, y, z);
-        let along = along * (HAND.acceleration / along.norm().max(1.0));
-        Four::new(along.x, along.y, along.z, turn * HAND.turning)
+        let along = along * (ACCELERATION / along.norm().max(1.0));
+        Four::new(along.x, along.y, along.z, turn * ANGULAR)
     }
 }
 
@@ -357,6 +364,20 @@ impl Target {
         let (mut aim, mut available) = ([Four::zeros(); TOOLS], 0.0f64);
         let (mut given_out, mut worst, mut beyond) = (0.0, f64::NEG_INFINITY, 0);
         let quantum = self.guard.quantum;
+        let hand = self
+            .renderer
+            .loop_params()
+            .guard
+            .params()
+            .and_then(|params| params.hand);
+        // The wrench of a hand with a largest force, relative to the acceleration of the attack.
+        let exerts = match hand.map(|hand| hand.limit) {
+            Some(WorldHandLimit::Force { force, torque }) => {
+                let linear = force / ACCELERATION;
+                Some(Four::new(linear, linear, linear, torque / ANGULAR))
+            }
+            _ => None,
+        };
         for i in 0..LENGTH {
             let positions: Vec<Vector> = devices
                 .iter()
@@ -402,9 +423,13 @@ impl Target {
                         until = begins(begun);
                     }
                     for (tool, device) in devices.iter_mut().enumerate() {
-                        let by_hand = &attack.accelerations[i * PARTS + part][tool];
                         let mobility = &mobility[tool];
-                        given_out += device.moves(mobility, by_hand, &aim[tool], lag, until - now);
+                        let by_hand = &attack.accelerations[i * PARTS + part][tool];
+                        let by_hand = match exerts {
+                            Some(exerts) => mobility * by_hand.component_mul(&exerts),
+                            None => *by_hand,
+                        };
+                        given_out += device.moves(mobility, &by_hand, &aim[tool], lag, until - now);
                     }
                     now = until;
                     if devices.iter().any(Device::is_too_fast) {
@@ -448,10 +473,30 @@ fn loops() -> usize {
 
 #[test]
 fn hands_within_acceleration_bound_take_no_more_than_allowance() {
+    let most = attacked_by_all(HAND.limit);
+    // The bound is nearly reached, so the guard is not too strict.
+    assert!(most > 0.8 * ALLOWANCE, "{most} J");
+}
+
+/// The force accelerates each device by its own mobility, whose rotation couples with its translation.
+#[test]
+fn hands_within_force_bound_take_no_more_than_allowance() {
+    attacked_by_all(WorldHandLimit::Force {
+        force: FORCE,
+        torque: TORQUE,
+    });
+}
+
+/// Returns the largest energy that hands within a limit take `[J]`, and fails if it exceeds the allowance.
+fn attacked_by_all(limit: WorldHandLimit) -> f64 {
     let mut random = Random(5);
+    let guarded = |guard| {
+        let hand = Some(WorldHandBound { limit, ..HAND });
+        WorldGuard::Limit(WorldGuardParams { hand, ..guard })
+    };
     let (mut most, mut over) = (f64::NEG_INFINITY, String::new());
     for number in 0..loops() {
-        let target = Target::random(&mut random, number, WorldGuard::Limit);
+        let target = Target::random(&mut random, number, guarded);
         let credit = target.guard.recovery;
         let (taken, beyond) = target.attacked(&mut random, number / 3, 60, credit);
         if taken > ALLOWANCE * (1.0 + 1e-9) || beyond > 0 {
@@ -473,8 +518,7 @@ fn hands_within_acceleration_bound_take_no_more_than_allowance() {
     }
     println!("{most} J");
     assert!(over.is_empty(), "over:\n{over}");
-    // The bound is nearly reached, so the guard is not too strict.
-    assert!(most > 0.8 * ALLOWANCE, "{most} J");
+    most
 }
 
 /// The attack is effective: it takes more without a limit, and from a guard with a wrong quantum.

@@ -304,6 +304,38 @@ fn a_contact_whose_force_was_limited_rests_as_the_ideal_one_does() {
     }
 }
 
+/// With offsets that decay at a constant rate in each flight, both bounced for ever: with the body of an engine from 0
+/// to 54 N in the first case and to 59 N in the second, with that of the world from 0 to 47 N in the second. A light
+/// body of an engine comes to rest more slowly than the ideal does.
+#[test]
+fn a_body_that_bounces_on_the_device_rests() {
+    let cases = [
+        (2.0, 2.0, 18.0, 1e-3, [0.01, 0.01]),
+        (4.0, 4.0, 12.0, 0.5e-3, [0.5, 0.01]),
+    ];
+    let cases = cases.map(|(kappa, by_body, push, tap, swings)| {
+        let pressed = Pressed {
+            tap,
+            seconds: 14.0,
+            ..Pressed::new(kappa, by_body, push)
+        };
+        (pressed, swings)
+    });
+    let pressed = cases.map(|(pressed, _)| pressed);
+    let found = each(&pressed, |pressed| {
+        [pressed.last_second_with_an_engine(), pressed.last_second()]
+    });
+    for ((pressed, swings), found) in cases.iter().zip(found) {
+        for ([least, largest, created], swing) in found.into_iter().zip(swings) {
+            println!("{least:.2} to {largest:.2} N, {created:.1e} J: {pressed:?}");
+            assert!(
+                largest - least < swing * pressed.push,
+                "{least} to {largest} N: {pressed:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_contact_with_an_engine_or_a_host_rests_after_a_limited_force() {
     let cases = [
@@ -336,7 +368,10 @@ fn a_contact_with_an_engine_or_a_host_rests_after_a_limited_force() {
                 largest - least < 2.2 * (high - low) + 0.4,
                 "{least} to {largest} N, ideally {low} to {high} N: {pressed:?}"
             );
-            assert!(created < 2e-4, "{created} J: {pressed:?}");
+            // With a body that still swings, the ledger fluctuates by the energy of the contact.
+            let stored = pressed.push * pressed.push / pressed.stiffness();
+            let most = if pressed.by_body > 0.0 { stored } else { 0.0 } + 2e-4;
+            assert!(created < most, "{created} J: {pressed:?}");
         }
     }
 }

@@ -1,15 +1,19 @@
 //! Arguments of `advise`.
 
+use std::convert::Infallible;
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 
 use crate::arguments::{Overwriting, PlotFlags};
-use crate::values::{Methods, methods, number, period, periods};
+use crate::values::{Methods, lag, methods, number, period, periods};
 
 /// Arguments of `advise`.
 #[derive(Args, Debug)]
 pub struct AdviseArguments {
+    /// A scene, which is refused
+    #[arg(value_name = "SCENE.toml", value_parser = no_scene, hide = true)]
+    pub refused: Option<Infallible>,
     /// Effective mass of the device [kg] [default: that of --device-file]
     #[arg(long, value_name = "kg", value_parser = number, allow_hyphen_values = true,
           required_unless_present = "device_file", help_heading = "Device")]
@@ -39,8 +43,7 @@ pub struct AdviseArguments {
     pub delay_periods: Option<f64>,
     /// Time constant of the actuator, a first-order lag after the delay; the renderer models both [s] [default: that of
     /// --device-file, or 0]
-    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
-          help_heading = "Device")]
+    #[arg(long, value_name = "s", value_parser = lag, allow_hyphen_values = true, help_heading = "Device")]
     pub lag: Option<f64>,
     /// Standard deviation of the delay, including its changes from command to command, at most 8 periods [s] [default:
     /// that of --device-file, or 0]
@@ -86,4 +89,8 @@ pub struct AdviseArguments {
     /// Print the advice as JSON
     #[arg(long, help_heading = "Results")]
     pub json: bool,
+}
+
+fn no_scene(_: &str) -> Result<Infallible, String> {
+    Err("advise takes the numbers of one device and one contact; for methods on a scene: palpate compare SCENE.toml".into())
 }

@@ -61,8 +61,14 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         MethodName::Coupled,
     ];
     let progress = Progress::new(methods.len());
-    let (replay, runs) =
-        render(setup, &trace, &methods, &Settings::default(), &progress).map_err(Failure::input)?;
+    let (replay, runs) = render(
+        setup,
+        (&trace, &[]),
+        &methods,
+        &Settings::default(),
+        &progress,
+    )
+    .map_err(Failure::input)?;
     drop(progress);
     let title = "A hand juggles a block of 0.5 kg, 200 N/m at 100 Hz";
     let subject = Subject::of_replay(title.into(), &setup);

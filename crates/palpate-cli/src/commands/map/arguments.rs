@@ -1,5 +1,6 @@
 //! Arguments of `map`.
 
+use std::convert::Infallible;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -16,6 +17,9 @@ pub struct MapArguments {
     /// Action other than computing a map.
     #[command(subcommand)]
     pub action: Option<MapAction>,
+    /// A scene, which is refused
+    #[arg(value_name = "SCENE.toml", value_parser = no_scene, hide = true)]
+    pub refused: Option<Infallible>,
     /// Scene of the map.
     #[command(flatten)]
     pub scene: SceneArguments,
@@ -151,6 +155,12 @@ pub struct MapResults {
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+fn no_scene(_: &str) -> Result<Infallible, String> {
+    Err("a map has plants of its own; for a map of a scene: palpate sweep SCENE.toml --over stiffness --values 0.1,1,10 \
+         --and mass --and-values 0.1,1,10"
+        .into())
 }
 
 /// Parser of a quantity's name.

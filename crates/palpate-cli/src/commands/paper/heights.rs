@@ -1,15 +1,19 @@
 //! `palpate paper heights`: dependence of errors on the start height.
 
+use std::path::PathBuf;
+
+use palpate_scene::SceneFile;
+use palpate_study::heights::over_heights;
 use palpate_study::heights::report::{COLUMNS, HeightsReport, SceneReport};
-use palpate_study::heights::{HeightsError, over_heights};
-use palpate_study::table::TableFormat;
+use palpate_study::studied::{Studied, StudyError};
 use palpate_study::tune::HEIGHTS;
 
 use crate::arguments::{Flags, HeightsArguments, TimingFlags};
-use crate::commands::simulate::{explain, read_scene};
+use crate::commands::simulate::{explain, read_any};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::results::print_report;
+use crate::results::{print_report, write_table};
+use crate::worlds::{self, failed};
 
 /// Evaluates every column on every scene.
 pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
@@ -19,7 +23,6 @@ pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
             "--model-mass-factor is {factor}, but must be finite and greater than 0"
         )));
     }
-    let columns = arguments.compared.columns()?;
     let mut outputs = arguments.overwriting.outputs();
     for scene in &arguments.scenes {
         outputs.protect(scene);
@@ -27,39 +30,53 @@ pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
     if let Some(out) = &arguments.out {
         outputs.plan("--out", out)?;
     }
-    let files = arguments
-        .scenes
-        .iter()
-        .map(|path| read_scene(path, &arguments.edits))
-        .collect::<Result<Vec<_>, _>>()?;
+    let read = |path: &PathBuf| read_any(path, &arguments.edits);
+    let files = (arguments.scenes.iter().map(read)).collect::<Result<Vec<_>, _>>()?;
     outputs.spare_inputs()?;
     let progress = Progress::new(HEIGHTS * files.len());
     let mut scenes = Vec::with_capacity(files.len());
+    let compared = &arguments.compared;
     for (path, file) in arguments.scenes.iter().zip(&files) {
-        progress.begin(&file.scene.title);
-        let mut scene = file.scene.clone();
-        if factor != 1.0 {
-            scene.model_device_mass = Some(factor * scene.device.mass());
-        }
-        let found =
-            over_heights(&scene, &columns, || progress.advance()).map_err(|error| match error {
-                HeightsError::Scene(error) => explain(
-                    (&Flags::default(), &TimingFlags::default()),
-                    file,
-                    scene.method,
-                    error,
-                ),
-                other => Failure::input(format!("{}: {other}", path.display())),
-            })?;
-        scenes.push(SceneReport::new(&scene, &columns, &found));
+        scenes.push(match file {
+            SceneFile::Contact(file) => {
+                let no_flags = (&Flags::default(), &TimingFlags::default());
+                let failure = |error| match error {
+                    StudyError::Contact(error) => explain(no_flags, file, file.scene.method, error),
+                    other => failed(path)(other),
+                };
+                of_scene(
+                    &file.scene,
+                    factor,
+                    &compared.columns()?,
+                    &progress,
+                    failure,
+                )?
+            }
+            SceneFile::World(file) => {
+                compared.refuse_columns(path)?;
+                let all = || worlds::able(&file.scene);
+                let methods = worlds::compared(compared.method.as_ref(), all)?;
+                of_scene(&file.scene, factor, &methods, &progress, failed(path))?
+            }
+        });
     }
     drop(progress);
     let mut report = HeightsReport::new(factor, scenes);
-    if let Some(out) = &arguments.out {
-        outputs.write(out, |writer| {
-            TableFormat::from_path(out).write(writer, &COLUMNS, report.rows())
-        })?;
-        report.wrote(out);
-    }
+    let table = write_table(&outputs, arguments.out.as_ref(), &COLUMNS, report.rows())?;
+    report.files.extend(table);
     print_report(&report, arguments.json)
+}
+
+/// Evaluates the columns on a scene, with a `factor` on the model values of the device's mass.
+fn of_scene<S: Studied>(
+    scene: &S,
+    factor: f64,
+    columns: &[S::Column],
+    progress: &Progress,
+    failure: impl Fn(StudyError) -> Failure,
+) -> Result<SceneReport, Failure> {
+    progress.begin(scene.title());
+    let scene = scene.with_model_mass_factor(factor);
+    let found = over_heights(&scene, columns, || progress.advance()).map_err(failure)?;
+    Ok(SceneReport::new(&scene, columns, &found))
 }

@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::worlds::{self, wrong_world};
 
 /// Flags of a pipe of a world; all other values are in its file.
-const FLAGS: [&str; 16] = [
+const FLAGS: [&str; 17] = [
     "file",
     "scene",
     "time",
@@ -30,6 +30,7 @@ const FLAGS: [&str; 16] = [
     "guard",
     "guard_speed",
     "guard_acceleration",
+    "guard_hand_force",
     "guard_mass",
     "guard_recovery",
     "guard_allowance",

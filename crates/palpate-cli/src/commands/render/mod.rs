@@ -51,6 +51,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let HeldTrace {
         trace,
         force_on_device_n: forces,
+        virtual_force_n,
         notes,
     } = read_trace(&arguments.trace, &name, &part, &arguments.table)?;
     let motion = RecordedMotion::new(&trace.t_s, period, notes.left_out);
@@ -65,6 +66,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         setup,
         trace: &trace,
         forces: forces.as_deref(),
+        virtual_forces: virtual_force_n.as_deref(),
         methods: &methods,
         progress: &progress,
     };
@@ -113,6 +115,8 @@ struct TraceReplay<'a> {
     trace: &'a Trace,
     /// Recorded forces on the device `[N]`, if the trace has them.
     forces: Option<&'a [f64]>,
+    /// Virtual forces in addition to that of the flags `[N]`, if the trace has them.
+    virtual_forces: Option<&'a [f64]>,
     /// Methods to render by.
     methods: &'a [MethodName],
     /// Progress of the command.
@@ -126,7 +130,7 @@ impl TraceReplay<'_> {
         let settings = self.arguments.flags.settings();
         let (replay, runs) = render(
             self.setup,
-            self.trace,
+            (self.trace, self.virtual_forces.unwrap_or_default()),
             self.methods,
             &settings,
             self.progress,
@@ -141,6 +145,13 @@ impl TraceReplay<'_> {
 
     /// Renders the recorded hand in closed loop.
     fn by_hand(&self) -> Result<ReplayRuns, Failure> {
+        if self.virtual_forces.is_some() {
+            return Err(Failure::input(format!(
+                "{}: virtual_force_n: the closed loop of --replay hand has a constant virtual force; pass --force, and \
+                 remove or rename the column; --replay motion uses it",
+                self.name
+            )));
+        }
         let device_mass = self.setup.device_mass.ok_or_else(|| {
             Failure::Arguments(
                 "--replay hand needs --device-mass <kg>, finite and above 0: the mass that the recorded hand \
@@ -203,13 +214,13 @@ impl TraceReplay<'_> {
 /// Renders a recorded motion by each of `methods`.
 pub fn render(
     setup: ReplaySetup,
-    trace: &Trace,
+    (trace, virtual_forces): (&Trace, &[f64]),
     methods: &[MethodName],
     settings: &Settings,
     progress: &Progress,
 ) -> Result<(Replay, Vec<Run>), ReplayError> {
     progress.begin("ideal");
-    let replay = Replay::new(setup, &trace.t_s, &trace.position_m)?;
+    let replay = Replay::pushed(setup, &trace.t_s, &trace.position_m, virtual_forces)?;
     let mut runs = Vec::with_capacity(methods.len());
     for &method in methods {
         progress.begin(method.name());

@@ -33,6 +33,7 @@ pub fn known_flags() -> Vec<&'static str> {
         "guard",
         "guard_speed",
         "guard_acceleration",
+        "guard_hand_force",
         "guard_mass",
         "guard_recovery",
         "guard_allowance",

@@ -11,10 +11,10 @@ use palpate_scene::method::MethodName;
 use palpate_scene::world::WorldScene;
 use palpate_scene::{
     ContactFile, Intention, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError,
-    Source, period_question,
+    Source, lag_question, period_question,
 };
-use palpate_study::seeded::with_seed;
 use palpate_study::sim::closed_loop::{Bench, LoopError};
+use palpate_study::studied::Studied;
 use palpate_testbed::reference::ReferenceError;
 
 use crate::arguments::{EditFlags, Flags, SimulateArguments, TimingFlags};
@@ -120,7 +120,7 @@ fn scenes_of_seeds(arguments: &SimulateArguments, scene: &Scene) -> Result<Vec<S
         }
     }
     Ok(seeds
-        .map(|seed| with_seed(scene, seed, several.start_range))
+        .map(|seed| scene.with_seed(seed, several.start_range))
         .collect())
 }
 
@@ -173,6 +173,9 @@ const MIN_RECORDED: usize = 20;
 fn tell_doubts(name: &str, scene: &Scene) {
     let period = scene.loop_params.period;
     if let Some(question) = period_question("loop.period_s", "period_s = 0.001", period) {
+        tell(format_args!("warning: {name}: {question}"));
+    }
+    if let Some(question) = lag_question("loop.lag_s", "lag_s = 0.001", scene.actuator.lag) {
         tell(format_args!("warning: {name}: {question}"));
     }
     if let Some(Intention::Recorded(path)) = scene.device.grip().map(|grip| &grip.intention) {

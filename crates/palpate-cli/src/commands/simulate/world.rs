@@ -11,10 +11,10 @@ use crate::commands::render::deliver_files;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::print_report;
-use crate::worlds::{self, wrong_world};
+use crate::worlds::{self, failed, wrong_world};
 
 /// Flags of a world's simulation; all other values are in its file.
-const FLAGS: [&str; 10] = [
+const FLAGS: [&str; 11] = [
     "scene",
     "method",
     "guard",
@@ -22,6 +22,7 @@ const FLAGS: [&str; 10] = [
     "start_range",
     "guard_speed",
     "guard_acceleration",
+    "guard_hand_force",
     "guard_mass",
     "guard_recovery",
     "guard_allowance",
@@ -43,7 +44,7 @@ pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Resu
         let renderer = renderer.map_err(|faults| wrong_world(flags, file, &faults))?;
         renderers.push((method, renderer));
     }
-    let failure = |error: WorldBenchError| Failure::input(format!("{}: {error}", path.display()));
+    let failure = |error: WorldBenchError| failed(path)(error);
     let progress = Progress::new(renderers.len());
     progress.begin("ideal");
     let bench = WorldBench::new(scene).map_err(failure)?;
@@ -54,14 +55,18 @@ pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Resu
         progress.advance();
     }
     drop(progress);
-    let names: Vec<_> = renderers.iter().map(|(method, _)| *method).collect();
+    let names: Vec<_> = renderers
+        .iter()
+        .map(|(method, _)| worlds::known(method))
+        .collect();
     let mut report = WorldReport::new(scene, &bench, &runs);
     if (flags.method.as_ref()).is_some_and(|methods| methods.are_all) {
         report.all_methods(scene);
     }
     deliver_files((&arguments.results, &outputs), scene, &bench, &runs)?;
     if arguments.several.are_several() {
-        report.seeded = Some(arguments.several.world(scene, &names, failure)?);
+        let seeded = arguments.several.over(scene, &names, failed(path));
+        report.seeded = Some(seeded?);
     }
     print_report(&report, arguments.results.json)
 }

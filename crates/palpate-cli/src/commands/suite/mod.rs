@@ -112,6 +112,17 @@ impl Compared {
 }
 
 impl Compared {
+    /// Rejects a file of columns for the world at `path`.
+    pub fn refuse_columns(&self, path: &Path) -> Result<(), Failure> {
+        if self.columns.is_none() {
+            return Ok(());
+        }
+        Err(Failure::Arguments(format!(
+            "--columns: {} is a world, whose methods take their settings from [methods.NAME]; name them with --method",
+            path.display()
+        )))
+    }
+
     /// Returns the columns in a figure: the named ones, or the default selection of a figure.
     fn drawn(&self, columns: &[Column]) -> Vec<usize> {
         let is_named = self.method.is_some() || self.columns.is_some();

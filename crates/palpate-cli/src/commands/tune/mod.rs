@@ -6,7 +6,6 @@ use palpate_record::files::outputs::Outputs;
 use palpate_scene::Scene;
 use palpate_scene::SceneFile;
 use palpate_scene::method::{MethodName, SettingKey};
-use palpate_study::table::TableFormat;
 use palpate_study::tune::report::{COLUMNS, TuneReport};
 use palpate_study::tune::{self, HEIGHTS, Objective, TuneError};
 
@@ -14,7 +13,7 @@ use super::simulate::{explain, read_any};
 use crate::arguments::{CurveArguments, Least, TuneArguments, flag_of_setting};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::results::{draw, print_report};
+use crate::results::{draw_study, print_report, write_table};
 
 /// Tries every value of the curve at every start height.
 pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
@@ -71,21 +70,10 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     drop(progress);
 
     let mut report = TuneReport::new(&scene, method, setting, objective, points);
-    if let Some(out) = &arguments.out {
-        outputs.write(out, |writer| {
-            TableFormat::from_path(out).write(writer, &COLUMNS, report.rows())
-        })?;
-        report.wrote(out);
-    }
-    if let Some(path) = &arguments.picture.plot {
-        draw(
-            &outputs,
-            path,
-            &palpate_plot::tune(&report),
-            &arguments.picture.look,
-        )?;
-        report.wrote(path);
-    }
+    let table = write_table(&outputs, arguments.out.as_ref(), &COLUMNS, report.rows())?;
+    report.files.extend(table);
+    let figure = draw_study(&outputs, &arguments.picture, || palpate_plot::tune(&report))?;
+    report.files.extend(figure);
     print_report(&report, arguments.json)
 }
 

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use palpate_scene::world::WorldFile;
 use palpate_study::sim::world::{WorldBench, WorldBenchError};
-use palpate_study::table::TableFormat;
 use palpate_study::tune::Objective;
 use palpate_study::world::candidates::{Scale, Tunable};
 use palpate_study::world::tune::{COLUMNS, Tuned, WorldTuneReport, tune};
@@ -13,7 +12,7 @@ use super::evenly;
 use crate::arguments::TuneArguments;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::results::{draw, print_report};
+use crate::results::{draw_study, print_report, write_table};
 use crate::worlds::{self, wrong_world};
 
 /// Flags of tuning on a world.
@@ -93,16 +92,11 @@ pub fn run(
     }
     let report = WorldTuneReport::new(scene, &bench, tunable, objective, &tuned);
     let mut report = report.expect("at least one setting was tried");
-    if let Some(out) = &arguments.out {
-        outputs.write(out, |writer| {
-            TableFormat::from_path(out).write(writer, &COLUMNS, report.rows())
-        })?;
-        report.wrote(out);
-    }
-    if let Some(path) = &arguments.picture.plot {
-        let figure = palpate_plot::tune_world(&report);
-        draw(&outputs, path, &figure, &arguments.picture.look)?;
-        report.wrote(path);
-    }
+    let table = write_table(&outputs, arguments.out.as_ref(), &COLUMNS, report.rows())?;
+    report.files.extend(table);
+    let figure = draw_study(&outputs, &arguments.picture, || {
+        palpate_plot::tune_world(&report)
+    })?;
+    report.files.extend(figure);
     print_report(&report, arguments.json)
 }

@@ -49,7 +49,12 @@ fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted()
     folder.write("by-hand.toml", BALL.replace("[render]", &guard));
     assert_eq!(guarded("simulate by-hand.toml"), guarded(by_hand));
     assert!(guarded(&format!("{by_hand} --guard-recovery 0")).0 >= fewer);
+    // The same acceleration by the force of the hand.
+    let mass = "--guard-mass 0.125";
+    let same = by_hand.replace("acceleration 80", &format!("hand-force 10 {mass}"));
+    assert_eq!(guarded(&same), guarded(&format!("{by_hand} {mass}")));
     for (flags, words) in [
+        ("--guard-hand-force 0", ["--guard-hand-force", "above 0"]),
         (
             "--guard-acceleration 0",
             ["--guard-acceleration", "above 0"],
@@ -72,5 +77,10 @@ fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted()
         "simulate turning.toml --guard limit --guard-acceleration 80",
         2,
         &["--guard-acceleration", "turning_acceleration_rad_per_s2"],
+    );
+    folder.fail(
+        "simulate turning.toml --guard limit --guard-hand-force 8",
+        2,
+        &["--guard-hand-force", "hand_torque_n_m"],
     );
 }

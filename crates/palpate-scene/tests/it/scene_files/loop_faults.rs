@@ -71,7 +71,23 @@ fn guard_values_have_ranges_and_belong_together() {
         ),
         (
             "least_mass_kg = 0.1",
-            "render.guard.least_mass_kg needs acceleration_m_per_s2",
+            "render.guard.least_mass_kg needs acceleration_m_per_s2 or hand_force_n",
+        ),
+        (
+            "learn_mass = true",
+            "render.guard.learn_mass needs acceleration_m_per_s2 or hand_force_n",
+        ),
+        (
+            "hand_force_n = -8",
+            "render.guard.hand_force_n is -8 N, but must be finite and greater than 0",
+        ),
+        (
+            "hand_force_n = 8, acceleration_m_per_s2 = 80",
+            "render.guard.hand_force_n excludes acceleration_m_per_s2; remove one",
+        ),
+        (
+            "hand_force_n = 8, hand_torque_n_m = 1",
+            "render.guard.hand_torque_n_m needs a device of six axes",
         ),
         (
             "acceleration_m_per_s2 = 80, turning_acceleration_rad_per_s2 = 1000",

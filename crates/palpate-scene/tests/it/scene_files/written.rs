@@ -51,10 +51,7 @@ fn every_key_is_written() {
     let Guard::Limit(params) = guarded.loop_params_with_delay().guard else {
         panic!("{:?}", guarded.loop_params.guard);
     };
-    let hand = HandBound {
-        acceleration: 80.0,
-        least_mass: 0.1,
-    };
+    let hand = HandBound::from_acceleration(80.0, 0.1);
     assert_eq!((params.hand, params.recovery), (Some(hand), 0.01));
     let coupled = GOOD.replace("method = \"hfcr\"", "method = \"coupled\"");
     let of_line = coupled.replace("slew_limit_n_per_s = 1000\n", "");
@@ -140,6 +137,10 @@ fn every_key_is_written() {
         (
             "unilateral = false",
             "guard = { mode = \"limit\", acceleration_m_per_s2 = 80.0 }",
+        ),
+        (
+            "unilateral = false",
+            "guard = { mode = \"limit\", hand_force_n = 8.0, learn_mass = true }",
         ),
         ("damping_n_s_per_m = 0.1", "damping_n_s_per_m = \"auto\""),
         ("estimate = \"ab2\"", "estimate = \"ab3\""),

@@ -1,7 +1,8 @@
 //! The guard of a scene file.
 
+use palpate_core::HandLimit;
 use palpate_scene::world::{WorldFile, hand_guard, usual_guard};
-use palpate_world::{WorldGuard, WorldGuardParams, WorldHandBound};
+use palpate_world::{WorldGuard, WorldGuardParams, WorldHandBound, WorldHandLimit};
 
 use super::{BALL, said};
 
@@ -32,7 +33,7 @@ fn a_guard_is_read_and_its_faults_are_said() {
     assert_eq!(read(all), WorldGuard::Report(params));
     let hand = WorldHandBound {
         least_mass: [0.1; 3],
-        ..hand_guard(80.0)
+        ..hand_guard(HandLimit::Acceleration(80.0))
     };
     let params = WorldGuardParams {
         recovery: 0.0,
@@ -63,7 +64,23 @@ fn a_guard_is_read_and_its_faults_are_said() {
         ),
         (
             "{ mode = \"limit\", least_mass_kg = 0.1 }",
-            "render.guard.least_mass_kg needs acceleration_m_per_s2",
+            "render.guard.least_mass_kg needs acceleration_m_per_s2 or hand_force_n",
+        ),
+        (
+            "{ mode = \"limit\", hand_force_n = 8, learn_mass = true }",
+            "render.guard.learn_mass is for one contact along one axis; remove it",
+        ),
+        (
+            "{ mode = \"limit\", hand_force_n = 0 }",
+            "hand_force_n is 0, and has to be above 0",
+        ),
+        (
+            "{ mode = \"limit\", hand_force_n = 8, acceleration_m_per_s2 = 80 }",
+            "render.guard.hand_force_n excludes acceleration_m_per_s2; remove one",
+        ),
+        (
+            "{ mode = \"limit\", acceleration_m_per_s2 = 80, hand_torque_n_m = 1 }",
+            "render.guard.hand_torque_n_m needs hand_force_n",
         ),
         (
             "{ mode = \"limit\", acceleration_m_per_s2 = 80, least_mass_kg = 0 }",
@@ -131,6 +148,19 @@ fn a_guard_takes_its_other_values_from_the_devices() {
         panic!("{:?}", scene.loop_params().guard);
     };
     let hand = params.hand.unwrap();
-    assert_eq!((hand.turning, hand.least_inertia), (3000.0, 0.5e-4));
+    let (linear, angular) = (80.0, 3000.0);
+    assert_eq!(hand.limit, WorldHandLimit::Acceleration { linear, angular });
+    assert_eq!(hand.least_inertia, 0.5e-4);
+    scene.renderer("coupled").unwrap();
+    let accelerations = "acceleration_m_per_s2 = 80, turning_acceleration_rad_per_s2 = 3000";
+    let by_force = turning.replace(accelerations, "hand_force_n = 8");
+    let faults = said(&by_force);
+    let words = "hand_force_n needs hand_torque_n_m, because a device turns";
+    assert!(faults.len() == 1 && faults[0].contains(words), "{faults:?}");
+    let by_force = by_force.replace("_n = 8", "_n = 8, hand_torque_n_m = 0.1");
+    let scene = WorldFile::parse("ball.toml", &by_force).unwrap().scene;
+    let hand = scene.guard_of_devices().params().unwrap().hand.unwrap();
+    let (force, torque) = (8.0, 0.1);
+    assert_eq!(hand.limit, WorldHandLimit::Force { force, torque });
     scene.renderer("coupled").unwrap();
 }

@@ -42,7 +42,7 @@ fn who_leaves_the_box_depends_on_its_size() {
             let rounded = |time: f64| (100.0 * time).round() / 100.0;
             columns
                 .iter()
-                .map(|of| of.left_box_at.map(rounded))
+                .map(|of| of.outcome.bounce.unwrap().left_box_at.map(rounded))
                 .collect()
         })
         .collect();
@@ -65,7 +65,10 @@ fn hfcr_stays_in_the_box_that_fits_with_little_damping_only() {
     let hfcr = [Column::new(MethodName::Hfcr)];
     let dampings = [0.0, 0.04, 0.07, 0.08, 0.21];
     let at = swept(&scene, Quantity::Damping, &dampings, &hfcr);
-    let stays: Vec<bool> = at.iter().map(|of| of[0].left_box_at.is_none()).collect();
+    let stays: Vec<bool> = at
+        .iter()
+        .map(|of| of[0].outcome.bounce.unwrap().left_box_at.is_none())
+        .collect();
     assert_eq!(stays, [true, true, true, false, false]);
     // The committed b has the lowest error of all values with which HFCR stays.
     let grid: Vec<f64> = (0..=7).map(|step| 0.01 * f64::from(step)).collect();
@@ -133,14 +136,19 @@ fn seh_is_almost_stable_by_some_estimates_with_much_friction() {
             eprintln!(
                 "friction × {friction}, {}: peak {:.2} N of {:.2} N, rebound energy {:?}, {}",
                 column.name,
-                of.peak_force,
-                of.ideal_peak_force,
-                of.rebound_energy,
-                of.stability.name()
+                of.outcome.peak_force,
+                of.outcome.ideal_peak_force,
+                of.outcome.bounce.unwrap().rebound_energy,
+                of.outcome.bounce.unwrap().stability.name()
             );
         }
     }
-    let of = |row: usize| at[row].iter().map(|of| of.stability).collect::<Vec<_>>();
+    let of = |row: usize| {
+        at[row]
+            .iter()
+            .map(|of| of.outcome.bounce.unwrap().stability)
+            .collect::<Vec<_>>()
+    };
     use Stability::{AlmostStable, Diverged, Unstable};
     assert!(
         of(0).iter().all(|of| [Unstable, Diverged].contains(of)),
@@ -148,9 +156,9 @@ fn seh_is_almost_stable_by_some_estimates_with_much_friction() {
         of(0)
     );
     assert_eq!(of(1), [Unstable, AlmostStable, AlmostStable]);
-    let peak = |column: usize| at[1][column].peak_force;
+    let peak = |column: usize| at[1][column].outcome.peak_force;
     assert!((peak(0) - 7.08).abs() < 0.05 && (peak(1) - 5.13).abs() < 0.05);
-    assert!((at[1][0].ideal_peak_force - 4.10).abs() < 0.02);
+    assert!((at[1][0].outcome.ideal_peak_force - 4.10).abs() < 0.02);
 }
 
 /// Source: derived here. A sweep changes only its quantity.
@@ -179,14 +187,17 @@ fn a_sweep_at_the_scene_s_own_value_is_the_scene() {
     let at = swept(&scene("fig5"), Quantity::SafetyBox, &[0.11], &damper);
     let boxed = run(&scene("fig5_box"), MethodName::VirtualDamper);
     assert_eq!(Some(at[0][0].own), boxed.force.fidelity);
-    assert_eq!(at[0][0].left_box_at, boxed.left_box_at);
+    assert_eq!(
+        at[0][0].outcome.bounce.unwrap().left_box_at,
+        boxed.left_box_at
+    );
     // The rebound energy is proportional to the squared speed.
     let seh = [Column::new(MethodName::Seh)];
     let at = swept(&fig4, Quantity::Friction, &[1.0], &seh);
     let rebounds = run(&fig4, MethodName::Seh).rebounds;
     let speeds = rebounds.iter().filter_map(|rebound| rebound.rendered);
     let faster = speeds.fold(0.0, f64::max) / rebounds[0].ideal;
-    let found = at[0][0].rebound_energy.unwrap();
+    let found = at[0][0].outcome.bounce.unwrap().rebound_energy.unwrap();
     assert!(
         (found / faster.powi(2) - 1.0).abs() < 1e-12,
         "{found} {faster}"

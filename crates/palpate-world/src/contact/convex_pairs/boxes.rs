@@ -8,6 +8,9 @@ const CORNERS: usize = 8;
 /// Number of corners of a face, which share the law of a pair.
 pub(super) const ON_A_FACE: usize = 4;
 
+/// Ratio of two lengths above which the first is the larger one in spite of rounding.
+const CERTAINLY: f64 = 1.0 + 1e-9;
+
 /// Poses of the two boxes: centre and axes of each, and the vector from the first to the second `[m]`.
 pub(super) struct Placed {
     pub(super) centres: [Vector3; 2],
@@ -64,8 +67,8 @@ impl Placed {
     }
 
     /// Returns the overlap of the boxes in the direction of a plane: the length p with E = K/2 p^2, or the negative
-    /// gap `[m]`.
-    fn depth(&self, plane: Plane) -> f64 {
+    /// gap `[m]`. A depth that is certainly above `most` `[m]` is returned as infinite.
+    fn depth_below(&self, plane: Plane, most: f64) -> f64 {
         match plane {
             Plane::Face { of, number } => {
                 let (axis, positive) = axis_of(number);
@@ -77,6 +80,10 @@ impl Placed {
                 let deepest = middle + parts.iter().map(|part| part.abs()).sum::<f64>();
                 if deepest <= 0.0 {
                     return deepest;
+                }
+                // One of the four corners of the law is this deep.
+                if deepest > CERTAINLY * (ON_A_FACE as f64).sqrt() * most {
+                    return f64::INFINITY;
                 }
                 let mut squares = 0.0;
                 for number in 0..CORNERS {
@@ -97,9 +104,18 @@ impl Placed {
                     + other[m] * c[i][n].abs()
                     + other[n] * c[i][m].abs();
                 let way = self.along[0][l] * c[k][j] - self.along[0][k] * c[l][j];
-                (extents - way.abs()) / self.sine(i, j)
+                let overlap = extents - way.abs();
+                // A sine is at most 1.
+                if overlap > CERTAINLY * most.max(0.0) {
+                    return f64::INFINITY;
+                }
+                overlap / self.sine(i, j)
             }
         }
+    }
+
+    fn depth(&self, plane: Plane) -> f64 {
+        self.depth_below(plane, f64::INFINITY)
     }
 
     /// Returns the sine between an axis of the first box and one of the second.
@@ -158,7 +174,7 @@ impl Between for Placed {
         let start = before.unwrap_or(self.face(0, 0));
         let mut least = (start, self.depth(start));
         let mut look = |plane: Plane| {
-            let depth = self.depth(plane);
+            let depth = self.depth_below(plane, least.1);
             if depth < least.1 - PREFERENCE * least.1.abs() {
                 least = (plane, depth);
             }

@@ -68,6 +68,8 @@ pub(super) struct Cylinders {
     cylinder: Cylinder,
     other: Form,
     share: usize,
+    /// Directions around a cylinder: angle, and its sine and cosine.
+    directions: Arc<[(f64, (f64, f64)); DIRECTIONS + 1]>,
     /// Preallocated; the first `known` entries are valid.
     candidates: Vec<Candidate>,
     known: usize,
@@ -180,11 +182,17 @@ impl Cylinders {
             form => form.faces() + 1,
         };
         let most = of_other + CAPS + 2;
+        let step = TAU / DIRECTIONS as f64;
+        let directions = std::array::from_fn(|number| {
+            let angle = step * number as f64;
+            (angle, angle.sin_cos())
+        });
         Self {
             side,
             cylinder,
             other,
             share,
+            directions: Arc::new(directions),
             candidates: vec![Candidate::none(); most],
             known: 0,
         }
@@ -343,38 +351,37 @@ impl Cylinders {
 
     /// Returns the plane of least overlap among those tangent to the cylinder's side.
     fn at_own_side(&self) -> Option<Bound> {
-        let tangent = |angle: f64| self.cylinder.tangent(angle);
-        let slope = |angle: f64| {
-            let [bound, rate] = tangent(angle);
+        let slope = |turn: (f64, f64)| {
+            let [bound, rate] = self.cylinder.tangent_at(turn);
             rate.depth(&self.other.deepest(&bound))
         };
-        self.around(AT_SIDE, slope, |angle| tangent(angle)[0])
+        self.around(AT_SIDE, slope, |angle| self.cylinder.tangent(angle)[0])
     }
 
     /// Returns the plane of least overlap among those tangent to the side of another cylinder.
     fn at_side_of(&self, other: &Cylinder) -> Option<Bound> {
-        let slope = |angle: f64| {
-            let [bound, rate] = other.tangent(angle);
+        let slope = |turn: (f64, f64)| {
+            let [bound, rate] = other.tangent_at(turn);
             self.cylinder.slope(&bound, &rate)
         };
         self.around(self.face(CAPS), slope, |angle| other.tangent(angle)[0])
     }
 
+    /// Returns the plane of least overlap around a cylinder. `slope` is a function of the sine and cosine of the angle.
     fn around(
         &self,
         plane: Plane,
-        slope: impl Fn(f64) -> f64,
+        slope: impl Fn((f64, f64)) -> f64,
         at: impl Fn(f64) -> Bound,
     ) -> Option<Bound> {
-        let step = TAU / DIRECTIONS as f64;
-        let first = slope(0.0);
+        let first = slope(self.directions[0].1);
         let ends = (0..=DIRECTIONS).map(|number| {
-            let angle = step * number as f64;
+            let (angle, turn) = self.directions[number];
             // The loop is closed: rounding must not make the first and the last entry differ.
             let is_first = number % DIRECTIONS == 0;
-            (angle, if is_first { first } else { slope(angle) })
+            (angle, if is_first { first } else { slope(turn) })
         });
-        self.least_of(plane, ends, &slope, at)
+        self.least_of(plane, ends, |angle| slope(angle.sin_cos()), at)
     }
 
     /// Returns the plane of least overlap among those through an edge between its two faces, if it is not one of the

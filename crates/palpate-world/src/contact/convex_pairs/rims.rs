@@ -33,6 +33,8 @@ pub(super) struct Cylinder {
     /// Cosines of the angles of a rim's points from its deepest point. Their number is the number of points that
     /// share the law.
     cosines: Vec<f64>,
+    /// Largest distance of its surface from its centre `[m]`.
+    reach: f64,
     turns: [Turn; 2],
 }
 
@@ -45,6 +47,7 @@ impl Cylinder {
             half_length,
             centre: Vector3::zeros(),
             axes: [Vector3::x(), Vector3::y(), Vector3::z()],
+            reach: radius.hypot(half_length),
             cosines: (0..share).map(|k| (step * k as f64).cos()).collect(),
             turns: [Turn {
                 is_held: true,
@@ -54,7 +57,7 @@ impl Cylinder {
     }
 
     pub fn reach(&self) -> f64 {
-        self.radius.hypot(self.half_length)
+        self.reach
     }
 
     pub fn place(&mut self, rigid: &Rigid) {
@@ -78,7 +81,11 @@ impl Cylinder {
 
     /// Returns the half-space tangent to the side, and its derivative with respect to the angle about the axis.
     pub fn tangent(&self, angle: f64) -> [Bound; 2] {
-        let (sine, cosine) = angle.sin_cos();
+        self.tangent_at(angle.sin_cos())
+    }
+
+    /// Returns the same for the sine and the cosine of the angle.
+    pub fn tangent_at(&self, (sine, cosine): (f64, f64)) -> [Bound; 2] {
         let [x, y, _] = self.axes;
         let normal = x * cosine + y * sine;
         let rate = y * cosine - x * sine;

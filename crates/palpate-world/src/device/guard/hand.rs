@@ -17,6 +17,12 @@
 //! ```
 //!
 //! With a lag the impulses overlap, and only their positive parts count.
+//!
+//! A hand with a largest force F and torque t accelerates a device of the least mass m and inertia I by at most
+//!
+//! ```text
+//! a_h = F/m + t/(2 sqrt(m I)),  angular t/I + F/(2 sqrt(m I))
+//! ```
 
 use palpate_core::{Range, Uneven};
 
@@ -28,10 +34,8 @@ use crate::{Vector, WorldField};
 /// Bound on the acceleration of each device by everything except the rendered force and torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldHandBound {
-    /// Largest acceleration a_h `[m/s^2]`, above 0.
-    pub acceleration: f64,
-    /// Largest angular acceleration of a device that turns `[rad/s^2]`, above 0.
-    pub turning: f64,
+    /// Largest effect of the hand.
+    pub limit: WorldHandLimit,
     /// Least mass along each world axis that a rendered force can find on any device `[kg]`, above 0;
     /// [`WorldLoop::guard_masses`](crate::WorldLoop::guard_masses) has one for each device.
     pub least_mass: Vector,
@@ -40,18 +44,85 @@ pub struct WorldHandBound {
     pub least_inertia: f64,
 }
 
+/// Largest effect of everything except the rendered force and torque on each device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WorldHandLimit {
+    /// Largest accelerations, the same for all devices.
+    Acceleration {
+        /// Largest acceleration a_h `[m/s^2]`, above 0.
+        linear: f64,
+        /// Largest angular acceleration of a device that turns `[rad/s^2]`, above 0.
+        angular: f64,
+    },
+    /// Largest force and torque. The accelerations follow from the least mass and inertia of each device.
+    Force {
+        /// Largest force `[N]`, above 0.
+        force: f64,
+        /// Largest torque on a device that turns `[N m]`, above 0.
+        torque: f64,
+    },
+}
+
 impl WorldHandBound {
     pub(super) fn ranges(&self) -> [(WorldField, f64, Range); 6] {
         let [x, y, z] = self.least_mass;
+        let [linear, angular] = match self.limit {
+            WorldHandLimit::Acceleration { linear, angular } => [
+                (WorldField::GuardAcceleration, linear),
+                (WorldField::GuardTurning, angular),
+            ],
+            WorldHandLimit::Force { force, torque } => [
+                (WorldField::GuardHandForce, force),
+                (WorldField::GuardHandTorque, torque),
+            ],
+        };
         [
-            (WorldField::GuardAcceleration, self.acceleration),
-            (WorldField::GuardTurning, self.turning),
+            linear,
+            angular,
             (WorldField::GuardMass, x),
             (WorldField::GuardMass, y),
             (WorldField::GuardMass, z),
             (WorldField::GuardInertia, self.least_inertia),
         ]
         .map(|(field, value)| (field, value, Range::Positive))
+    }
+}
+
+/// Bound on the acceleration of one device.
+#[derive(Clone, Copy, Debug)]
+struct Hand {
+    /// Largest acceleration `[m/s^2]`.
+    acceleration: f64,
+    /// Largest angular acceleration `[rad/s^2]`.
+    turning: f64,
+    /// Least mass along each axis `[kg]`.
+    least_mass: Vector,
+    /// Least moment of inertia `[kg m^2]`.
+    least_inertia: f64,
+}
+
+impl Hand {
+    /// Creates the bound for a device of this least mass `[kg]`.
+    fn new(bound: &WorldHandBound, least_mass: Vector) -> Self {
+        let least_inertia = bound.least_inertia;
+        let [acceleration, turning] = match bound.limit {
+            WorldHandLimit::Acceleration { linear, angular } => [linear, angular],
+            WorldHandLimit::Force { force, torque } => {
+                let mass = Vector3::from(least_mass).min();
+                // Of a mobility with M = diag(1/m, 1/I), the block between force and torque has a norm of at most this.
+                let across = 0.5 / (mass * least_inertia).sqrt();
+                [
+                    force / mass + torque * across,
+                    torque / least_inertia + force * across,
+                ]
+            }
+        };
+        Self {
+            acceleration,
+            turning,
+            least_mass,
+            least_inertia,
+        }
     }
 
     /// Returns x'M y for the bound M of the mobility.
@@ -128,7 +199,7 @@ impl Step {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ToolMotion {
     /// Bound on the acceleration, with the least mass of this device.
-    hand: Option<WorldHandBound>,
+    hand: Option<Hand>,
     /// The last interval; `None` after a lost sample.
     last: Option<Step>,
     /// Whether the last interval may be used for the bound by acceleration.
@@ -172,10 +243,10 @@ impl Price {
 }
 
 impl ToolMotion {
-    /// Creates the motion of a tool before its first sample.
-    pub fn new(hand: Option<WorldHandBound>) -> Self {
+    /// Creates the motion of a tool before its first sample, with its own least mass `[kg]` if it has one.
+    pub fn new(hand: Option<WorldHandBound>, own: Option<Vector>) -> Self {
         Self {
-            hand,
+            hand: hand.map(|hand| Hand::new(&hand, own.unwrap_or(hand.least_mass))),
             ..Self::default()
         }
     }
@@ -303,7 +374,7 @@ impl ToolMotion {
     }
 }
 
-impl WorldHandBound {
+impl Hand {
     /// Returns a bound on the sum of |J|_M over impulses with these sums of magnitudes along each axis.
     fn size(&self, [force, torque]: &Both) -> f64 {
         let mass = Vector3::from(self.least_mass);
