@@ -1,5 +1,6 @@
 //! Failures for the user at the terminal: a message, a position, an exit code.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::io::{self, Write};
 use std::ops::Range;
@@ -164,12 +165,17 @@ impl Failure {
                 2,
             ),
             Self::Input(faults) => {
-                let drawn = faults.iter().map(|fault| match &fault.excerpt {
-                    Some(excerpt) => format!("{}\n{}", fault.message, excerpt.drawing()),
-                    None => fault.message.clone(),
+                let drawn = faults.iter().map(|fault| {
+                    let message = printable(&fault.message);
+                    match &fault.excerpt {
+                        Some(excerpt) => format!("{message}\n{}", excerpt.drawing()),
+                        None => message.into_owned(),
+                    }
                 });
                 let drawn: Vec<_> = drawn.collect();
-                (drawn.join("\n\nerror: "), 3)
+                // The drawings may have colours.
+                write_line(&format!("error: {}", drawn.join("\n\nerror: ")));
+                return ExitCode::from(3);
             }
             Self::NotWhole => return ExitCode::from(4),
             Self::MotorsOff(message) => (message.clone(), 5),
@@ -184,7 +190,35 @@ impl Failure {
     }
 }
 
-/// Prints a message to standard error. A closed standard error is ignored, unlike by `eprintln!`.
+/// Prints a message to standard error, [`printable`]. A closed standard error is ignored, unlike by `eprintln!`.
 pub fn tell(message: impl fmt::Display) {
-    let _ = writeln!(io::stderr().lock(), "{message}");
+    write_line(&printable(&message.to_string()));
+}
+
+fn write_line(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// Replaces the control characters of a text, except those of lines and columns: names and words of a device, a file or
+/// a recording would control the terminal.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let controls = |letter: char| letter.is_control() && !"\n\r\t".contains(letter);
+    if text.contains(controls) {
+        Cow::Owned(text.replace(controls, "\u{fffd}"))
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_do_not_reach_the_terminal() {
+        let name = "\u{1b}[31mred\u{7}\u{9b}2J";
+        assert_eq!(printable(name), "\u{fffd}[31mred\u{fffd}\u{fffd}2J");
+        let lines = "a\tb\r\n\u{3ba}";
+        assert!(matches!(printable(lines), Cow::Borrowed(same) if same == lines));
+    }
 }

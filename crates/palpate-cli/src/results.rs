@@ -12,7 +12,7 @@ use palpate_study::table::TableFormat;
 use serde::Serialize;
 
 use crate::arguments::{LookFlags, PlotFlags, Results, TimeFlags};
-use crate::failure::{Failure, tell};
+use crate::failure::{Failure, printable, tell};
 use crate::progress::Progress;
 use crate::run_file;
 use palpate_plot::figure::{Picture, Sheet, Size, SizeError};
@@ -108,9 +108,9 @@ pub fn print_report(
     })
 }
 
-/// Prints to standard output; a reader that has exited is not a failure.
+/// Prints to standard output, [`printable`]; a reader that has exited is not a failure.
 pub fn print(text: &str) -> Result<(), Failure> {
-    finish(io::stdout().lock().write_all(text.as_bytes()))
+    finish(io::stdout().lock().write_all(printable(text).as_bytes()))
 }
 
 fn finish(result: io::Result<()>) -> Result<(), Failure> {

@@ -103,9 +103,9 @@ pub trait Device: Send {
     ///
     /// # Errors
     /// [`DeviceErrorKind::NothingNew`]: there was no sample in this period; the loop keeps the last force for one
-    /// period, then commands zero. [`DeviceErrorKind::Disconnected`]: the device is disconnected and must be
-    /// reopened. [`DeviceErrorKind::Refused`]: the device is connected but rejects the request; the operator must
-    /// inspect it.
+    /// period, then commands zero. [`DeviceErrorKind::Interrupted`]: it commands zero at once, until a sample arrives.
+    /// [`DeviceErrorKind::Disconnected`]: the device is disconnected and must be reopened.
+    /// [`DeviceErrorKind::Refused`]: the device is connected but has a lasting fault; the operator must inspect it.
     fn read(&mut self) -> Result<Pose, DeviceError>;
 
     /// Commands `wrench` on the end-point and returns the wrench held from now on, as far as known. A driver that
@@ -160,14 +160,19 @@ pub trait ZeroWriter: Send {
     fn write_zero(&mut self);
 }
 
-/// Kinds of device errors, by the caller's possible response.
+/// Kinds of device errors, by the caller's possible response. What ends with its cause is [`NothingNew`](Self::NothingNew)
+/// or [`Interrupted`](Self::Interrupted), for every driver; the force then returns with a soft start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviceErrorKind {
-    /// No new sample yet: try again in the next period.
+    /// No new sample yet: keep the last force for one period, then command zero, and try again.
     NothingNew,
+    /// The device is faulty for now: it reports an error, returns a value that is not a number, or takes no command.
+    /// Command zero force at once, and try again.
+    Interrupted,
     /// The device is disconnected: command zero force and reopen it.
     Disconnected,
-    /// The device rejects the request: command zero force and inspect it.
+    /// A fault that lasts, or that no later sample disproves: power or calibration is lost, the watchdog process has
+    /// ended, the clock is wrong. Command zero force until the operator has inspected the device.
     Refused,
 }
 

@@ -15,8 +15,8 @@ pub enum Step {
     Stale,
     /// Fails with an error of this kind.
     Fails(DeviceErrorKind),
-    /// Reports this position `[m]` and rejects the force.
-    RefusesForce(Vector),
+    /// Reports this position `[m]` and fails to take the force with an error of this kind.
+    FailsForce(DeviceErrorKind, Vector),
 }
 
 /// List of steps; after its end the last step is repeated.
@@ -100,7 +100,7 @@ impl<C: Clock> Device for ScriptedDevice<C> {
         let step = self.script.get(self.next).or(self.script.last());
         self.next += 1;
         match step.copied().unwrap_or(Step::Stale) {
-            Step::At(position) | Step::RefusesForce(position) => {
+            Step::At(position) | Step::FailsForce(_, position) => {
                 self.last = Pose {
                     orientation: None,
                     position,
@@ -119,9 +119,7 @@ impl<C: Clock> Device for ScriptedDevice<C> {
         }
         let now = self.next.saturating_sub(1);
         match self.script.get(now).or(self.script.last()) {
-            Some(Step::RefusesForce(_)) => {
-                Err(DeviceError::new(DeviceErrorKind::Refused, "scripted fault"))
-            }
+            Some(Step::FailsForce(kind, _)) => Err(DeviceError::new(*kind, "scripted fault")),
             _ => Ok(wrench),
         }
     }

@@ -1,5 +1,6 @@
 //! Sampling times of a device with a clock of its own.
 
+use std::cmp::Ordering;
 use std::time::Duration;
 
 /// Largest drift of a device's clock against its estimated rate.
@@ -9,8 +10,9 @@ const SLOWEST: f64 = 0.02;
 /// Interval of the estimate `[s]`: until it is known after three, a slow clock adds its error to the sample's age.
 const ESTIMATED_EVERY: f64 = 0.1;
 /// Interval at which the rate of the device's clock is checked `[s]`.
-const RATE_CHECKED_EVERY: f64 = 1.0;
-/// Allowed rate of the device's clock. Milliseconds in place of seconds give 1000.
+const RATE_CHECKED_EVERY: f64 = 0.5;
+/// Allowed rate of the device's clock. Milliseconds in place of seconds give 1000. Only a clock that leaves it on the
+/// same side in two successive intervals is wrong: a late sample makes one too slow and the next too fast.
 const RATE: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
 /// Sampling time on the loop's clock.
@@ -31,6 +33,8 @@ pub struct DeviceTime {
     /// First times of device and loop, and of the current check of the rate `[s]`.
     first: Option<[f64; 2]>,
     checked: [f64; 2],
+    /// Side on which the rate of the last check left [`RATE`].
+    off: Option<Ordering>,
     /// Last times since the first ones `[s]`.
     last: [f64; 2],
     /// Loop's time minus device's, since the first ones `[s]`.
@@ -88,7 +92,13 @@ impl DeviceTime {
         let since = arrival - checked_arrival;
         if since >= RATE_CHECKED_EVERY {
             self.checked = self.last;
-            if !RATE.contains(&((time - checked_time) / since)) {
+            let rate = (time - checked_time) / since;
+            let off = if rate > *RATE.end() {
+                Some(Ordering::Greater)
+            } else {
+                (rate < *RATE.start()).then_some(Ordering::Less)
+            };
+            if std::mem::replace(&mut self.off, off) == off && off.is_some() {
                 return Stamp::NotSeconds;
             }
         }
@@ -157,6 +167,21 @@ mod tests {
                 panic!("{ms} ms");
             };
             assert!(stamp.abs_diff(sampled) < MS * 2, "{ms} ms: {stamp:?}");
+        }
+    }
+
+    /// One sample arrives late at any moment, and the device is silent until then.
+    #[test]
+    fn a_late_sample_of_a_right_clock_is_no_wrong_clock() {
+        for late in [300, 800, 950] {
+            for from in (100..2_000).step_by(50) {
+                let mut time = DeviceTime::default();
+                for ms in (0..=from).chain(from + late + 1..6_000) {
+                    let delay = if ms == from { late } else { 0 };
+                    let stamp = time.of(f64::from(ms) * 1e-3, MS * (ms + delay));
+                    assert!(matches!(stamp, Stamp::At(_)), "{late} from {from}: {ms} ms");
+                }
+            }
         }
     }
 

@@ -117,11 +117,10 @@ impl<D: Device> Driven<D> {
                 }
             }
             Err(error) => {
-                let is_news = self.safety.safety_stop() != Some(SafetyStop::DeviceRefused)
-                    && error.kind != DeviceErrorKind::NothingNew;
-                messages = Some(error).filter(|_| is_news);
+                messages = Some(error).filter(|error| self.is_news(error));
                 match error.kind {
                     DeviceErrorKind::NothingNew => Sampled::Missing,
+                    DeviceErrorKind::Interrupted => Sampled::Gone(SafetyStop::StaleSample),
                     DeviceErrorKind::Refused => Sampled::Gone(SafetyStop::DeviceRefused),
                     DeviceErrorKind::Disconnected => {
                         self.is_lost = true;
@@ -134,6 +133,17 @@ impl<D: Device> Driven<D> {
             teller.note(clock.now(), self.number, Note::Device(error));
         }
         answered
+    }
+
+    /// Returns whether the listener does not know of an error yet: while its stop is active, it repeats every tick.
+    fn is_news(&self, error: &DeviceError) -> bool {
+        let safety_stop = self.safety.safety_stop();
+        match error.kind {
+            DeviceErrorKind::NothingNew => false,
+            DeviceErrorKind::Interrupted => safety_stop.is_none(),
+            DeviceErrorKind::Disconnected => true,
+            DeviceErrorKind::Refused => safety_stop != Some(SafetyStop::DeviceRefused),
+        }
     }
 
     /// Returns the fresh sample of the device, if any, for the renderer.
@@ -210,12 +220,18 @@ impl<D: Device> Driven<D> {
                 // A device that rejects a force may accept zero.
                 let _ = self.device.write(Wrench::NONE);
                 self.has_failed = true;
-                teller.note(clock.now(), self.number, Note::Device(error));
-                let safety_stop = if error.kind == DeviceErrorKind::Disconnected {
-                    self.is_lost = true;
-                    SafetyStop::DeviceLost
-                } else {
-                    SafetyStop::DeviceRefused
+                if self.is_news(&error) {
+                    teller.note(clock.now(), self.number, Note::Device(error));
+                }
+                let safety_stop = match error.kind {
+                    DeviceErrorKind::NothingNew | DeviceErrorKind::Interrupted => {
+                        SafetyStop::StaleSample
+                    }
+                    DeviceErrorKind::Disconnected => {
+                        self.is_lost = true;
+                        SafetyStop::DeviceLost
+                    }
+                    DeviceErrorKind::Refused => SafetyStop::DeviceRefused,
                 };
                 if let Some(safety_stop) = self.safety.stop_on(safety_stop).stopped {
                     teller.note(clock.now(), self.number, Note::Stopped(safety_stop));

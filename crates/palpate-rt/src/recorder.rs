@@ -49,6 +49,10 @@ pub struct Account {
     pub events: Vec<Event>,
     /// Number of received events.
     pub all_events: u64,
+    /// The last safety stop, also if it is not among the first events.
+    pub last_stop: Option<Event>,
+    /// The last error of a device, like [`last_stop`](Self::last_stop).
+    pub last_device_error: Option<Event>,
     /// Largest sent force `[N]`.
     pub peak_force: f64,
     /// Largest penetration `[m]`.
@@ -104,6 +108,11 @@ impl Account {
     /// Adds an event.
     pub fn event(&mut self, event: Event) {
         self.all_events += 1;
+        if event.kind.starts_with("safety-stop-") {
+            self.last_stop = Some(event.clone());
+        } else if event.kind == "device-error" {
+            self.last_device_error = Some(event.clone());
+        }
         if self.events.len() < EVENTS_KEPT {
             self.events.push(event);
         }

@@ -40,6 +40,22 @@ use crate::values::duration;
 #[cfg(unix)]
 use palpate_drivers::prepared::two_diy::{identity, usual_axis};
 
+/// Ratio of the masses of a device and of its model from which a warning is given.
+const ANOTHER_MASS: f64 = 2.0;
+
+/// Warns of a device whose own mass differs clearly from that of the renderer's `model` `[kg]`.
+fn warn_of_another_mass(device: &dyn Device, model: f64) {
+    let can = device.capabilities();
+    if let Some(mass) = can.effective_mass
+        && (mass > ANOTHER_MASS * model || model > ANOTHER_MASS * mass)
+    {
+        tell(format_args!(
+            "warning: {} states a mass of {mass} kg, but the renderer's model has {model} kg; --device-mass {mass} sets it",
+            can.name
+        ));
+    }
+}
+
 /// An open device with the contact's axis in its frame.
 pub struct Opened {
     /// The device.
@@ -99,6 +115,8 @@ pub fn open<C: Clock>(
         DeviceName::Process | DeviceName::Udp | DeviceName::Plugin => {
             let period = scene.loop_params.period;
             let (device, _) = own::open(arguments, period, clock, guarding)?;
+            let model = scene.model_device_mass.unwrap_or(scene.device.mass());
+            warn_of_another_mass(device.as_ref(), model);
             (device, FIRST_AXIS)
         }
     };

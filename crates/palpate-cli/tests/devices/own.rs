@@ -84,6 +84,59 @@ fn a_python_program_is_a_device_of_a_run() {
     assert!(number(&recorded, "ticks") > 100.0);
 }
 
+/// A program whose words would control the terminal, with an error that lasts, after more events than are shown.
+#[test]
+fn the_cause_of_no_force_is_said_without_control_characters() {
+    let folder = folder();
+    let script = "while read -r word n rest; do case $word in \
+         hello) printf 'device 1 axes=1 mass_kg=20 name=\\033[31mred\\n';; \
+         read) if [ $n -gt 60 ]; then printf 'error hot\\033[2J\\n'; fi; echo sample $n $n - 0.005;; esac; done";
+    std::fs::write(folder.path("hot.sh"), script).unwrap();
+    let mut command = program(&folder, "run wall.toml --method basic --period 0.01");
+    let ran = command
+        .args(["--duration", "1", "--device", "process:sh hot.sh"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8(ran.stderr).unwrap();
+    assert_eq!(ran.status.code(), Some(5), "{said}");
+    assert!(
+        said.contains("states a mass of 20 kg, but the renderer's model has 0.25 kg"),
+        "{said}"
+    );
+    assert!(
+        said.contains("when it ended: the device delivered no new sample, since 0."),
+        "{said}"
+    );
+    assert!(said.contains("s: the device reports an error"), "{said}");
+    assert!(said.contains("reported an error: hot\u{fffd}[2J"), "{said}");
+    let report = String::from_utf8(ran.stdout).unwrap();
+    assert!(!(said + &report).contains('\u{1b}'), "{report}");
+    assert!(report.contains("`\u{fffd}[31mred`"), "{report}");
+}
+
+/// A device that is silent to the end keeps the time of its last sample: the rate is not that of a shorter run.
+#[test]
+fn a_recording_that_ends_without_samples_has_the_rate_of_its_loop() {
+    let folder = folder();
+    let script = "while read -r word n rest; do case $word in \
+         hello) echo 'device 1 axes=1 name=silent';; \
+         read) if [ $n -le 120 ]; then echo sample $n $n - -0.005; fi;; esac; done";
+    std::fs::write(folder.path("silent.sh"), script).unwrap();
+    let rest = "--period 0.01 --duration 1.2 --record own.mcap";
+    let _ = run(&folder, "process:sh silent.sh", rest);
+    let info = folder.json_of_a_loop("info own.mcap");
+    let (lasted, duration) = (number(&info, "lasted_s"), number(&info, "duration_s"));
+    assert!(lasted > 1.0, "{info}");
+    assert!(
+        (duration / lasted - 1.0).abs() < 0.05,
+        "{duration} s of {lasted} s"
+    );
+    assert!(
+        (number(&info, "rate_hz") / 100.0 - 1.0).abs() < 0.05,
+        "{info}"
+    );
+}
+
 /// The watchdog process has a second handle of the program's input: the program reads zero before its input ends.
 #[test]
 fn a_killed_or_stopped_run_leaves_no_force() {

@@ -251,14 +251,15 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     }
 
     /// Returns the fraction of a planned push that limits left over an interval, 0 to 1. A contact that yields to the
-    /// force limit stores no energy beyond it.
+    /// force limit stores no energy beyond it, so that only a lower limit counts.
     #[inline(always)]
     fn part_sent(&self, passed: &Piece<S>) -> S {
-        let (intended, sent) = (passed.intended, passed.held.mean);
-        if self.yields_at < S::INFINITY || intended <= sent || intended <= S::ZERO {
+        let yields_at_force = self.contact.stiffness * self.yields_at;
+        let (stored_push, sent) = (passed.intended.min(yields_at_force), passed.held.mean);
+        if stored_push <= sent || stored_push <= S::ZERO {
             S::ONE
         } else {
-            (sent / intended).max(S::ZERO)
+            (sent / stored_push).max(S::ZERO)
         }
     }
 

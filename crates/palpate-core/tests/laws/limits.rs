@@ -137,6 +137,38 @@ fn an_object_thrown_by_more_than_the_limited_force_is_no_generated_energy() {
     }
 }
 
+/// A later stage of the program or the device cuts the force below the limit of the renderer, which its report tells.
+#[test]
+fn a_press_through_a_reported_limit_is_no_generated_energy() {
+    const LIMIT: f64 = 5.0;
+    for force_limit in [None, Some(LIMIT), Some(4.0 * LIMIT)] {
+        for name in ["basic", "hfcr", "coupled"] {
+            let mut named = methods().into_iter();
+            let (_, method) = named.find(|(found, _)| *found == name).unwrap();
+            let loop_params = LoopParams {
+                force_limit,
+                ..LoopParams::new(0.001)
+            };
+            let renderer = AnyRenderer::new(Contact::wall(1000.0), loop_params, method).unwrap();
+            let mut state = renderer.start(ObjectState::at_rest(0.0)).unwrap();
+            let (mut most, mut stored): (f64, f64) = (0.0, 0.0);
+            for tick in 0..=1000 {
+                let turn = core::f64::consts::TAU * f64::from(tick) / 1000.0;
+                let output = renderer.step(&mut state, Sample::at(0.011 * (1.0 - turn.cos())));
+                let force = output.force_on_object;
+                renderer.report_sent(&mut state, force.clamp(-LIMIT, LIMIT));
+                most = most.max(state.ledger().created().abs());
+                stored = stored.max(state.ledger().stored);
+            }
+            // The spring stores 242 mJ, and 5 N take in at most 110 mJ.
+            assert!(
+                most < 2e-3,
+                "{name}, {force_limit:?}: {most} J of {stored} J"
+            );
+        }
+    }
+}
+
 #[test]
 fn the_slew_limit_holds_up_and_down_and_is_reported_only_then() {
     for (name, method) in stable_methods() {

@@ -41,6 +41,8 @@ pub struct External<C: Clock> {
     pub(super) heard_at: Duration,
     /// Whether the loop has read it.
     pub(super) has_begun: bool,
+    /// First unreadable line before the loop has begun, for an error of the opening.
+    pub(super) unreadable: Option<String>,
     pub(super) is_gone: bool,
     /// First reason of a refusal.
     pub(super) reason: String,
@@ -131,6 +133,12 @@ fn gone() -> DeviceError {
     )
 }
 
+/// Error for what ends with its cause.
+fn interrupted(what: &'static str) -> DeviceError {
+    DeviceError::new(DeviceErrorKind::Interrupted, what)
+}
+
+/// Error for what lasts.
 fn refused(what: &'static str) -> DeviceError {
     DeviceError::new(DeviceErrorKind::Refused, what)
 }
@@ -177,14 +185,20 @@ impl<C: Clock> External<C> {
                 protocol::heard(line, &self.capabilities)
             }) {
                 Heard::Nothing => {}
-                Heard::Unreadable => self.account.garbage(),
+                Heard::Unreadable => {
+                    self.account.garbage();
+                    // Before the loop it may allocate.
+                    if !self.has_begun && self.unreadable.is_none() {
+                        self.unreadable = Some(protocol::quoted(line));
+                    }
+                }
                 Heard::Error(why) => {
                     if self.reason.is_empty() {
                         // Its capacity is reserved.
                         let kept = why.chars().take(LONGEST_REASON / 4);
                         self.reason.extend(kept);
                     }
-                    fault = Some(refused("the device reports an error"));
+                    fault.get_or_insert(interrupted("the device reports an error"));
                 }
                 Heard::Sample(sample) => {
                     let now = self.clock.now();
@@ -356,7 +370,7 @@ impl<C: Clock> Device for External<C> {
             Ok(true) => {}
             Ok(false) => {
                 self.account.untaken();
-                return Err(refused("the device does not read its commands"));
+                return Err(interrupted("the device does not read its commands"));
             }
             Err(Closed) => {
                 self.is_gone = true;

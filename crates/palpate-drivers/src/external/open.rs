@@ -1,11 +1,12 @@
 //! Opening of a device of another program.
 
+use std::fmt::Write;
 use std::io;
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::time::Duration;
 
+use palpate_device::DeviceError;
 use palpate_device::clock::Clock;
-use palpate_device::{Device, DeviceError};
 #[cfg(unix)]
 use palpate_rt::watchdog::{Orders, Watchdog, WatchdogError};
 
@@ -107,9 +108,8 @@ pub enum OpenError {
     #[error("{0}")]
     Introduction(String),
     /// No sample followed.
-    #[error("{place} has sent no valid sample within {} s: {} unreadable, {} late; needed: sample N ANSWERED TIME X ...",
-            .1.as_secs(), .2.unreadable, .2.late, place = .0)]
-    NoSample(Place, Duration, Box<palpate_device::Connection>),
+    #[error("{place} has sent no valid sample within {} s: {why}", .1.as_secs(), place = .0, why = .2)]
+    NoSample(Place, Duration, String),
     /// The device failed at once.
     #[error("{error}{}", .reason.as_ref().map_or_else(String::new, |reason| format!(": {reason}")))]
     Device {
@@ -173,6 +173,7 @@ impl<C: Clock> External<C> {
             program: starting.program,
             tell: None,
             has_begun: false,
+            unreadable: None,
         };
         // Until a watchdog process runs, the loop's own end is the only one that may leave a force.
         device.capabilities.holds_last_force = true;
@@ -194,8 +195,8 @@ impl<C: Clock> External<C> {
             if sample.is_some() {
                 left -= 1;
             } else if left == TRIALS && self.clock.now().saturating_sub(begun) > SAMPLES_WITHIN {
-                let found = Box::new(self.connection().unwrap_or_default());
-                return Err(OpenError::NoSample(place.clone(), SAMPLES_WITHIN, found));
+                let why = self.why_no_sample(patience);
+                return Err(OpenError::NoSample(place.clone(), SAMPLES_WITHIN, why));
             } else if left < TRIALS && self.clock.now().saturating_sub(begun) > SAMPLES_WITHIN {
                 break;
             } else {
@@ -203,6 +204,30 @@ impl<C: Clock> External<C> {
             }
         }
         Ok(())
+    }
+
+    /// Describes what has arrived in place of a sample; an answer has `patience`.
+    fn why_no_sample(&self, patience: Duration) -> String {
+        let found = self.account.connection();
+        let mut why = format!("{} unreadable, {} late", found.unreadable, found.late);
+        if let Some(line) = &self.unreadable {
+            let _ = write!(
+                why,
+                "; the first unreadable line is \"{line}\", but needed is: {}",
+                protocol::needed(&self.capabilities)
+            );
+        } else if let Some([median, ..]) = found.round_trip.filter(|_| found.late > 0) {
+            let _ = write!(
+                why,
+                "; an answer takes {:.1} ms, and counts up to {:.1} ms, three periods: use a longer period, or a faster \
+                 device",
+                1e3 * median.as_secs_f64(),
+                1e3 * patience.as_secs_f64()
+            );
+        } else {
+            let _ = write!(why, "; needed is: {}", protocol::needed(&self.capabilities));
+        }
+        why
     }
 
     /// Starts a watchdog process, which commands zero force if this program ends, or if the driver sends nothing for the

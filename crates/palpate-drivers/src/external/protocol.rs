@@ -118,6 +118,24 @@ pub fn heard<'a>(line: &'a [u8], device: &Capabilities) -> Heard<'a> {
     }
 }
 
+/// Returns the form of a sample of `device`, for messages.
+pub fn needed(device: &Capabilities) -> String {
+    let axes = ["X", "Y", "Z"].into_iter().take(device.axes);
+    let orientation = ["QW", "QX", "QY", "QZ"].into_iter();
+    let orientation = orientation.filter(|_| device.measures_orientation);
+    let numbers: Vec<&str> = axes.chain(orientation).collect();
+    format!(
+        "sample NUMBER N TIME {}, with finite numbers and \".\" as decimal separator",
+        numbers.join(" ")
+    )
+}
+
+/// Returns the begin of a received line for a message; `None`: it is too long.
+pub fn quoted(line: Option<&[u8]>) -> String {
+    let text = String::from_utf8_lossy(line.unwrap_or(b"(a line that is too long)"));
+    text.trim().chars().take(LONGEST_QUOTE).collect()
+}
+
 fn sample(mut words: SplitAsciiWhitespace<'_>, device: &Capabilities) -> Option<Sample> {
     let number = next(&mut words)?;
     let answers = next(&mut words)?;
@@ -172,6 +190,9 @@ pub struct Introduction {
     pub sends_every: Option<Duration>,
 }
 
+/// Longest quotation of a line `[character]`.
+const LONGEST_QUOTE: usize = 100;
+
 /// Keys of the line `device`, for messages.
 const KEYS: &str = "axes, torque_axes, orientation, largest_force_n, largest_torque_n_m, largest_stiffness_n_per_m, \
                     largest_damping_n_s_per_m, mass_kg, quantum_m, lower_m, upper_m, rate_hz, and at the end name";
@@ -207,12 +228,19 @@ impl Introduction {
             }
         }
         let mut axes = None;
-        let mut made = Capabilities::unknown(name.trim(), 1);
+        // Reports and recordings contain the name.
+        let name = name.trim().replace(char::is_control, "\u{fffd}");
+        let mut made = Capabilities::unknown(&name, 1);
+        let mut keys: Vec<&str> = Vec::new();
         let (mut rate, mut lower, mut upper) = (None, None, None);
         for word in words {
             let Some((key, value)) = word.split_once('=') else {
                 return Err(format!("the device says \"{word}\"; needed: KEY=VALUE"));
             };
+            if keys.contains(&key) {
+                return Err(format!("the device has the key {key} twice; allowed: once"));
+            }
+            keys.push(key);
             match key {
                 "axes" => axes = Some(whole(key, value, 1)?),
                 "torque_axes" => made.torque_axes = whole(key, value, 0)?,
@@ -391,6 +419,12 @@ mod tests {
     }
 
     #[test]
+    fn a_name_does_not_control_a_terminal() {
+        let made = Introduction::parse("device 1 axes=1 name=\u{1b}[31mred\u{7}").unwrap();
+        assert_eq!(made.capabilities.name, "\u{fffd}[31mred\u{fffd}");
+    }
+
+    #[test]
     fn a_wrong_introduction_says_what_is_allowed() {
         for (line, part) in [
             ("", "needed: device 1"),
@@ -398,6 +432,10 @@ mod tests {
             ("device 2 axes=1", "version 2 of the protocol; allowed: 1"),
             ("device 1 name=x", "number of axes"),
             ("device 1 axes=4", "axes is 4; allowed: 1 to 3"),
+            (
+                "device 1 axes=1 axes=2",
+                "the key axes twice; allowed: once",
+            ),
             ("device 1 axes=1 weight=3", "the key weight; allowed: axes,"),
             (
                 "device 1 axes=1 mass_kg=-1",

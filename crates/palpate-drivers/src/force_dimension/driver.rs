@@ -75,7 +75,7 @@ impl<C: Clock> ForceDimension<C> {
     /// Returns the wrong value of a sample as an error.
     fn wrong(&mut self, what: &'static str) -> DeviceError {
         self.connection.unreadable += 1;
-        let error = DeviceError::new(DeviceErrorKind::Refused, what);
+        let error = DeviceError::new(DeviceErrorKind::Interrupted, what);
         self.reason.get_or_insert(error);
         error
     }

@@ -102,7 +102,7 @@ impl<C: Clock> Plugin<C> {
                 "the device of the plug-in is gone",
             ),
             _ => (
-                DeviceErrorKind::Refused,
+                DeviceErrorKind::Interrupted,
                 "the device of the plug-in reports an error",
             ),
         };
@@ -182,16 +182,17 @@ impl<C: Clock> Device for Plugin<C> {
 
     fn read(&mut self) -> Result<Pose, DeviceError> {
         let refused = |what| DeviceError::new(DeviceErrorKind::Refused, what);
+        let interrupted = |what| DeviceError::new(DeviceErrorKind::Interrupted, what);
         let raw = self.opened.read().map_err(|code| self.failed(code))?;
         let now = self.clock.now();
-        let (position, orientation) = placed(&raw, &self.capabilities).ok_or(refused(
+        let (position, orientation) = placed(&raw, &self.capabilities).ok_or(interrupted(
             "the plug-in returns a position or an orientation that is no number",
         ))?;
         let time = if raw.has_time == 0 {
             now
         } else {
             if !raw.time_s.is_finite() {
-                return Err(refused("the plug-in returns a time that is no number"));
+                return Err(interrupted("the plug-in returns a time that is no number"));
             }
             match self.time.of(raw.time_s, now) {
                 Stamp::At(time) => time,
@@ -225,7 +226,7 @@ impl<C: Clock> Device for Plugin<C> {
         };
         if !held.is_finite() || !wrench.is_finite() {
             let what = "the force of the command, or the one that the plug-in holds, is no number";
-            return Err(DeviceError::new(DeviceErrorKind::Refused, what));
+            return Err(DeviceError::new(DeviceErrorKind::Interrupted, what));
         }
         Ok(held)
     }

@@ -25,6 +25,8 @@ pub type Reopen = Box<dyn FnMut() -> Result<Box<dyn Device>, String> + Send>;
 /// loop recovers as from any other safety stop, with a soft start.
 pub struct Reconnecting {
     device: Option<Box<dyn Device>>,
+    /// Statistics of the last connection that was lost.
+    before: Option<Connection>,
     capabilities: Capabilities,
     gone: SyncSender<(Box<dyn Device>, DeviceError)>,
     /// Signals that a lost device has been closed. It is awaited from the loss until a new device is open.
@@ -107,6 +109,7 @@ impl Reconnecting {
         Ok(Self {
             capabilities: device.capabilities().clone(),
             device: Some(device),
+            before: None,
             gone,
             closed,
             closing: false,
@@ -120,6 +123,7 @@ impl Reconnecting {
     /// Passes a lost device to the thread that reopens it.
     fn lose(&mut self, error: DeviceError) {
         if let Some(device) = self.device.take() {
+            self.before = device.connection().or(self.before);
             // The channel has capacity for the only device.
             self.closing = self.gone.try_send((device, error)).is_ok();
         }
@@ -208,7 +212,8 @@ impl Device for Reconnecting {
     }
 
     fn connection(&self) -> Option<Connection> {
-        self.device.as_ref()?.connection()
+        let device = self.device.as_ref();
+        device.map_or(self.before, |device| device.connection())
     }
 }
 
@@ -246,6 +251,13 @@ mod tests {
         fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
             Ok(wrench)
         }
+
+        fn connection(&self) -> Option<Connection> {
+            Some(Connection {
+                lost: 7,
+                ..Connection::default()
+            })
+        }
     }
 
     impl Drop for Slow {
@@ -269,6 +281,8 @@ mod tests {
         let mut device = Reconnecting::new(slow(&closed), never, |_| {}).unwrap();
         let error = device.read().unwrap_err();
         assert_eq!(error.kind, DeviceErrorKind::NothingNew);
+        // The report contains the lost connection.
+        assert_eq!(device.connection().unwrap().lost, 7);
         drop(device);
         assert!(closed.load(Ordering::Acquire));
     }

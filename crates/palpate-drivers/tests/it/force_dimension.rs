@@ -344,7 +344,7 @@ fn a_state_that_changes_in_motion_is_refused_with_its_reason() {
     let (mut device, told) = bench.open();
     bench.emulator.trouble(|trouble| trouble.is_nan = true);
     let error = device.read().unwrap_err();
-    assert_eq!(error.kind, DeviceErrorKind::Refused);
+    assert_eq!(error.kind, DeviceErrorKind::Interrupted);
     assert!(error.what.contains("no number"), "{error}");
     assert_eq!(device.connection().unwrap().unreadable, 1);
     let error = device.write(pushed(f64::NAN)).unwrap_err();

@@ -203,7 +203,7 @@ fn wrong_values_and_codes_are_no_samples_and_the_reason_is_said() {
     for (to, kind, words) in [
         (
             "sample->position_m[0] = 0.0 / (device->position * 0.0);",
-            DeviceErrorKind::Refused,
+            DeviceErrorKind::Interrupted,
             "is no number",
         ),
         (
@@ -218,12 +218,12 @@ fn wrong_values_and_codes_are_no_samples_and_the_reason_is_said() {
         ),
         (
             "(void)sample; return 99;",
-            DeviceErrorKind::Refused,
+            DeviceErrorKind::Interrupted,
             "reports an error",
         ),
         (
             "sample->has_time = 1; sample->time_s = 1.0 / (device->position * 0.0);",
-            DeviceErrorKind::Refused,
+            DeviceErrorKind::Interrupted,
             "time that is no number",
         ),
     ] {
@@ -237,7 +237,7 @@ fn wrong_values_and_codes_are_no_samples_and_the_reason_is_said() {
         "held->force_n[0] = 1.0 / (device->force * 0.0);",
     );
     let error = changed(&[held]).unwrap().write(Wrench::NONE).unwrap_err();
-    assert_eq!(error.kind, DeviceErrorKind::Refused);
+    assert_eq!(error.kind, DeviceErrorKind::Interrupted);
     let folder = tempfile::tempdir().unwrap();
     let path = library(
         folder.path(),

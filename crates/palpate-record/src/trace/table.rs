@@ -103,6 +103,17 @@ impl Reading {
             found,
         }
     }
+
+    /// Returns whether `line` is a sample, although it is where a header is expected: all columns are given by their
+    /// number, and their fields are numbers.
+    fn is_sample(&self, line: &Line, layout: &Layout) -> bool {
+        let mut columns = std::iter::once(&self.time).chain(self.found.iter().flatten());
+        !layout.columns.is_empty()
+            && layout.columns.iter().all(|(_, name)| name.starts_with('#'))
+            && columns.all(|column| {
+                parsed(line.fields[column.at].trim(), layout).is_some_and(f64::is_finite)
+            })
+    }
 }
 
 /// A fault and the bytes at fault.
@@ -207,7 +218,12 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         let (time, found) = self.columns(&header, request)?;
         let mut reading = Reading::new(header.fields.len(), time, found);
         let mut line = Line::new();
-        while self.next(&mut line)? {
+        // Columns that are given by their number need no header: a first line of numbers is a sample.
+        let mut is_read = reading.is_sample(&header, request.layout);
+        if is_read {
+            line = header;
+        }
+        while std::mem::take(&mut is_read) || self.next(&mut line)? {
             reading.ends_in_sample = false;
             self.check_field_count(&line, reading.field_count)?;
             if self.skips_line(&line, request.layout, &mut reading)? {
@@ -406,13 +422,7 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
 
     fn number(&mut self, line: &Line, column: &Column, layout: &Layout) -> Result<f64, TraceError> {
         let text = line.fields[column.at].trim();
-        let parsed = if !layout.decimal_comma {
-            text.parse::<f64>().ok()
-        } else if text.contains('.') {
-            None
-        } else {
-            text.replace(',', ".").parse().ok()
-        };
+        let parsed = parsed(text, layout);
         if let Some(value) = parsed
             && value.is_finite()
         {
@@ -434,6 +444,16 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
             None => TraceFault::NotANumber { name, text, way },
         };
         Err(self.fault_in(line, Some(column.at), fault))
+    }
+}
+
+fn parsed(text: &str, layout: &Layout) -> Option<f64> {
+    if !layout.decimal_comma {
+        text.parse().ok()
+    } else if text.contains('.') {
+        None
+    } else {
+        text.replace(',', ".").parse().ok()
     }
 }
 

@@ -324,6 +324,32 @@ fn a_trace_that_is_too_long_is_refused_as_soon_as_that_shows() {
 }
 
 #[test]
+fn a_table_without_a_header_keeps_its_first_sample() {
+    let by_number = |layout: &mut Layout| {
+        layout.columns = vec![("t".into(), "#1".into()), ("x".into(), "#3".into())];
+    };
+    let read = |text: &str, layout: &Layout| {
+        read_part(text.as_bytes(), "hand.csv", &Part::WHOLE, layout).map(|held| held.trace)
+    };
+    let plain = laid_out(by_number);
+    let trace = read("0,9,0.5\n1,9,0.25\n2,9,-1\n", &plain).unwrap();
+    assert_eq!(trace.t_s, [0.0, 1.0, 2.0]);
+    assert_eq!(trace.position_m, [0.5, 0.25, -1.0]);
+    // A header may contain a number or a unit.
+    for header in ["t,9,nan", "t_s,y,x", "0,9,x"] {
+        let trace = read(&format!("{header}\n1,9,0.25\n2,9,-1\n"), &plain).unwrap();
+        assert_eq!(trace.t_s, [1.0, 2.0], "{header}");
+    }
+    let comma = laid_out(|layout| {
+        by_number(layout);
+        layout.delimiter = Some(Delimiter::Semicolon);
+        layout.decimal_comma = true;
+    });
+    let trace = read("0;9;0,5\n1;9;0,25\n", &comma).unwrap();
+    assert_eq!(trace.position_m, [0.5, 0.25]);
+}
+
+#[test]
 fn forces_are_those_of_the_part() {
     let text = "force_on_device_n,t_s,virtual_force_n,position_m\n-1,0,5,0\n-2,1,6,0\n-3,2,7,0\n-4,3,8,0\n";
     let part = Part {

@@ -119,7 +119,8 @@ impl Renders for OneContact {
     fn report_written(&mut self, _: usize, held: Line, sent: Option<Line>) {
         let is_new = std::mem::take(&mut self.is_new);
         let holds_lines = self.actuation().hold == Hold::Line;
-        if !holds_lines && !self.takes_sent_forces() {
+        // With a measured held force, the sent one gives the ledger the effect of limits.
+        if !holds_lines && !is_new && !self.takes_sent_forces() {
             return;
         }
         let sent = sent.unwrap_or(held);

@@ -20,7 +20,7 @@ pub enum SafetyStop {
     Oscillation,
     /// The force was lost and recovered too often.
     TooManyRecoveries,
-    /// The device rejected a force.
+    /// The device has a fault that lasts; the event before the stop describes it.
     DeviceRefused,
     /// The device is disconnected.
     DeviceLost,
@@ -88,7 +88,7 @@ impl fmt::Display for SafetyStop {
             Self::TooManyRecoveries => {
                 "too many recoveries: the loop stalled, or lacked valid samples"
             }
-            Self::DeviceRefused => "the device refused a force",
+            Self::DeviceRefused => "the device or its driver refuses: a fault that lasts",
             Self::DeviceLost => "the device is gone",
         })
     }

@@ -65,8 +65,8 @@ fn periods_to_zero(control: &mut Scripted) -> usize {
 fn every_fault_of_a_device_leaves_no_force_within_two_periods() {
     let nan = Step::At([f64::NAN, 0.0, 0.0]);
     let infinite = Step::At([f64::INFINITY, 0.0, 0.0]);
-    use DeviceErrorKind::{Disconnected, NothingNew, Refused};
-    let table: [(&str, Step, SafetyStop); 9] = [
+    use DeviceErrorKind::{Disconnected, Interrupted, NothingNew, Refused};
+    let table: [(&str, Step, SafetyStop); 11] = [
         ("position NaN", nan, SafetyStop::NotANumber),
         ("position infinite", infinite, SafetyStop::NotANumber),
         ("repeated sample", Step::Stale, SafetyStop::StaleSample),
@@ -89,8 +89,18 @@ fn every_fault_of_a_device_leaves_no_force_within_two_periods() {
         ),
         (
             "force refused",
-            Step::RefusesForce([1e-3, 0.0, 0.0]),
+            Step::FailsForce(Refused, [1e-3, 0.0, 0.0]),
             SafetyStop::DeviceRefused,
+        ),
+        (
+            "device faulty for now",
+            Step::Fails(Interrupted),
+            SafetyStop::StaleSample,
+        ),
+        (
+            "force not taken",
+            Step::FailsForce(Interrupted, [1e-3, 0.0, 0.0]),
+            SafetyStop::StaleSample,
         ),
     ];
     println!("fault              injected  periods to zero  force after it has passed");

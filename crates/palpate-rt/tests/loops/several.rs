@@ -265,7 +265,7 @@ fn a_fault_of_one_device_takes_the_force_off_both_and_is_named() {
         (Step::Fails(Refused), 5, 1, SafetyStop::DeviceRefused),
         (Step::Fails(Disconnected), 1, 1, SafetyStop::DeviceLost),
         (
-            Step::RefusesForce([0.0, 0.0, -1e-3]),
+            Step::FailsForce(Refused, [0.0, 0.0, -1e-3]),
             5,
             1,
             SafetyStop::DeviceRefused,

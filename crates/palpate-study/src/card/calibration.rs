@@ -1,11 +1,15 @@
 //! Calibration in a device report: the values of a device file, and the fit if its report is available.
 
+use std::collections::BTreeMap;
+
 use crate::calibrate::{Calibration, Quantity};
 use crate::calibration::MotionCard;
 use serde::{Deserialize, Serialize};
 
 /// Format of the readable calibration reports.
 const RUN_FORMAT: &str = "palpate calibrate 1";
+/// Largest relative difference between a value of a device file and that of the same calibration's report.
+const SAME_VALUE: f64 = 1e-3;
 
 /// Content of a device file.
 #[derive(Debug, Clone, Serialize)]
@@ -24,6 +28,10 @@ pub struct CalibrationCard {
     pub found: Vec<FoundCard>,
     /// The motion and its fit, if the report of the calibration is available.
     pub motion: Option<MotionCard>,
+    /// Values of the report of the calibration that differ from those of the file: key, value of the file, and value
+    /// of the report.
+    #[serde(skip)]
+    pub(super) differing: Vec<(&'static str, [f64; 2])>,
 }
 
 /// A value of a device file.
@@ -49,8 +57,18 @@ pub struct CalibrationRun {
     format: String,
     /// Number of samples of the excitation.
     pub samples: usize,
+    /// The identified values, by key.
+    #[serde(default)]
+    pub found: BTreeMap<String, FoundValue>,
     /// A part of the motion, if the report contains it.
     pub motion: Option<MotionCard>,
+}
+
+/// An identified value of a calibration report, in the unit of its key.
+#[derive(Debug, Clone, Copy, Deserialize)]
+pub struct FoundValue {
+    /// The value.
+    pub value: f64,
 }
 
 /// Reason why a text is not a calibration report.
@@ -107,12 +125,21 @@ impl CalibrationCard {
                 found_by: known.found_by.clone(),
             })
         });
+        let found: Vec<FoundCard> = found.collect();
+        // The file has the digits of the report.
+        let differing = found.iter().filter_map(|found| {
+            let of_run = run?.1.found.get(found.key)?.value;
+            let scale = found.value.abs().max(of_run.abs());
+            let differs = (of_run - found.value).abs() > SAME_VALUE * scale;
+            differs.then_some((found.key, [found.value, of_run]))
+        });
         Self {
+            differing: differing.collect(),
             file: file.to_owned(),
             date: calibration.date.clone(),
             command: calibration.command.clone(),
             axis: calibration.axis.clone(),
-            found: found.collect(),
+            found,
             motion: run.and_then(|(_, run)| run.motion.clone()),
         }
     }
@@ -121,6 +148,23 @@ impl CalibrationCard {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_report_of_another_calibration_is_noticed() {
+        let file = "calibration_format = 1\ndevice_mass_kg = 0.25\nlag_s = 1e-5\n";
+        let file = Calibration::parse("device.toml", file).unwrap();
+        let differing = |mass: f64| {
+            let run = format!(
+                r#"{{"format":"{RUN_FORMAT}","samples":3,"found":{{"device_mass_kg":{{"value":{mass},"found_by":"fit"}},
+                "lag_s":{{"value":1e-5}}}},
+                "motion":{{"t_s":[0],"measured_m":[0],"fitted_m":[0],"command_n":[0]}}}}"#
+            );
+            let run = ("fit.json", CalibrationRun::parse(&run).unwrap());
+            CalibrationCard::new(("device.toml", &file), Some(&run)).differing
+        };
+        assert_eq!(differing(0.25), []);
+        assert_eq!(differing(0.05), [("device_mass_kg", [0.25, 0.05])]);
+    }
 
     #[test]
     fn only_a_report_with_a_whole_motion_is_read() {

@@ -140,7 +140,7 @@ fn of_recording(card: &Card, sources: &Sources<'_>, number: usize, ticks: &Ticks
         !words.is_empty() || lost > 0 || unseen as f64 > LATE_SHARE * all,
         finding,
         "a longer --period, so that each has a new sample of the device; a disk and a processor that are not shared \
-         during the recording; `palpate info` lists the missing ticks",
+         during the recording; `palpate info --json` lists the gaps",
     ));
     let counted_ticks = recording.counted.as_ref();
     let off = counted_ticks.map_or(ticks.motors_off, |count| count.motors_off);
@@ -325,6 +325,18 @@ fn calibration(card: &Card) -> Vec<Check> {
     };
     let found = |key: &str| calibration.found.iter().find(|found| found.key == key);
     let mut checks = Vec::new();
+    if let [(key, [of_file, of_run]), ..] = calibration.differing.as_slice() {
+        checks.push(check(
+            "one calibration",
+            true,
+            format!(
+                "{key} is {} in the device file and {} in the report of the calibration",
+                digits(*of_file),
+                digits(*of_run)
+            ),
+            "use the file and the report of one calibration of this device",
+        ));
+    }
     let period = card.device.value("period_s");
     let delay = found("delay_plus_lag_s").and_then(|found| found.standard_deviation);
     let mass =

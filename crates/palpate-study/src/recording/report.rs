@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use palpate_record::recording::{
-    DeviceTick, Entry, Event, Flags, LoopTime, Recording, RecordingError,
+    DeviceTick, Entry, Event, Flags, LoopTime, Recording, RecordingError, Tick,
 };
 use serde::Serialize;
 
@@ -160,8 +160,19 @@ impl RecordingReport {
             .copied();
         let off = off.unwrap_or(0);
         let ends = recording.first.zip(recording.last);
-        let duration = ends.map(|(first, last)| last.time - first.time);
         let steps = ends.map(|(first, last)| (last.sequence - first.sequence) as f64);
+        // A tick without a sample keeps the time of the last sample.
+        let sampled = totals.sampled.or(ends.map(|(first, last)| [first, last]));
+        let rate = sampled.map(|[first, last]| {
+            (last.sequence - first.sequence) as f64 / (last.time - first.time)
+        });
+        let rate = rate.filter(|rate| rate.is_finite());
+        let duration = ends.and_then(|(first, last)| match sampled {
+            Some([_, sampled]) if sampled.sequence < last.sequence => {
+                Some(steps? / rate.filter(|rate| *rate > 0.0)?)
+            }
+            _ => Some(last.time - first.time),
+        });
         let texts = recording.metadata.texts.iter();
         let counted = recording.counted.as_ref();
         let time = counted.and_then(|count| count.time);
@@ -194,12 +205,11 @@ impl RecordingReport {
                 })
                 .collect(),
             first_s: recording.first.map(|tick| tick.time),
-            last_s: recording.last.map(|tick| tick.time),
-            duration_s: duration,
-            rate_hz: steps
+            last_s: ends
                 .zip(duration)
-                .map(|(steps, duration)| steps / duration)
-                .filter(|rate| rate.is_finite()),
+                .map(|((first, last), duration)| last.time.max(first.time + duration)),
+            duration_s: duration,
+            rate_hz: rate,
             missed_deadlines: totals.missed_deadlines,
             most_created_energy_j: totals.created_energy,
             largest_lateness_s: totals.lateness,
@@ -225,6 +235,8 @@ struct Totals {
     /// Number of events per kind.
     events: BTreeMap<String, u64>,
     devices: DeviceFlags,
+    /// First and last tick with a sample.
+    sampled: Option<[Tick; 2]>,
     missed_deadlines: u64,
     /// Largest lateness of a sample `[s]`.
     lateness: Option<f64>,
@@ -251,6 +263,9 @@ impl Totals {
                 }
                 Entry::Tick(tick, _, _, of_tick) => {
                     totals.devices.add(&of_tick);
+                    if !tick.flags.has(Flags::DEVICE_FAULT) {
+                        totals.sampled.get_or_insert([tick; 2])[1] = tick;
+                    }
                     raise(&mut totals.lateness, tick.lateness);
                     raise(&mut totals.period, tick.period);
                     raise(&mut totals.tick_duration, tick.tick_duration);

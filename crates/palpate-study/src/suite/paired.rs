@@ -16,10 +16,10 @@ use crate::spread::quantile;
 pub struct Median {
     /// The median.
     pub median: f64,
-    /// Lower end of the interval.
-    pub low: f64,
-    /// Upper end of the interval.
-    pub high: f64,
+    /// Lower end of the interval; `None` with fewer than 6 plants, whose range has less than 95 % confidence.
+    pub low: Option<f64>,
+    /// Upper end of the interval, like the lower one.
+    pub high: Option<f64>,
 }
 
 /// A column against the column with the least median of E, plant by plant.
@@ -41,16 +41,15 @@ impl Median {
         let rank = lower_rank(values.len());
         Some(Self {
             median: quantile(&values, 0.5)?,
-            low: values[rank],
-            high: values[values.len() - 1 - rank],
+            low: rank.map(|rank| values[rank]),
+            high: rank.map(|rank| values[values.len() - 1 - rank]),
         })
     }
 }
 
 /// Returns the index of the lower end of the interval among `count` sorted values: k for the largest k with
-/// P(X <= k) <= 2.5 % of a binomial distribution with probability 1/2. Too few values have no such k; the interval is
-/// then their range.
-fn lower_rank(count: usize) -> usize {
+/// P(X <= k) <= 2.5 % of a binomial distribution with probability 1/2. `None`: fewer than 6 values have no such k.
+fn lower_rank(count: usize) -> Option<usize> {
     let outside = 0.5 - 0.005 * CONFIDENCE_PERCENT;
     let n = count as f64;
     let logarithm_of_all = libm::lgamma(n + 1.0) - n * std::f64::consts::LN_2;
@@ -60,7 +59,7 @@ fn lower_rank(count: usize) -> usize {
         below += libm::exp(logarithm_of_all - libm::lgamma(k + 1.0) - libm::lgamma(n - k + 1.0));
         below <= outside
     });
-    outside_ranks.count().saturating_sub(1)
+    outside_ranks.count().checked_sub(1)
 }
 
 /// Returns the comparison of each column under a `condition`, in the order of the columns; `None` for the column with
@@ -109,12 +108,13 @@ mod tests {
     #[test]
     fn intervals_have_the_ranks_of_the_sign_test() {
         for (count, rank) in [(9, 2), (20, 6), (100, 40)] {
-            assert_eq!(lower_rank(count) + 1, rank, "{count}");
+            assert_eq!(lower_rank(count), Some(rank - 1), "{count}");
         }
-        assert_eq!(lower_rank(1), 0);
-        assert_eq!(lower_rank(5), 0);
+        assert_eq!(lower_rank(6), Some(0));
+        // The range of five values has 93.75 %.
+        assert_eq!([0, 1, 5].map(lower_rank), [None; 3]);
         // 0.5^n underflows, its logarithm does not.
-        let rank = lower_rank(10_000) as f64;
+        let rank = lower_rank(10_000).unwrap() as f64;
         assert!((rank - (5000.0 - 98.0)).abs() < 2.0, "{rank}");
     }
 
@@ -122,7 +122,12 @@ mod tests {
     fn a_median_has_the_ends_of_its_interval() {
         let values: Vec<f64> = (1..=9).rev().map(f64::from).collect();
         let median = Median::new(values).unwrap();
-        assert_eq!((median.median, median.low, median.high), (5.0, 2.0, 8.0));
+        assert_eq!(
+            (median.median, median.low, median.high),
+            (5.0, Some(2.0), Some(8.0))
+        );
+        let few = Median::new(vec![1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
+        assert_eq!((few.median, few.low, few.high), (3.0, None, None));
         assert_eq!(Median::new(Vec::new()), None);
     }
 }

@@ -437,7 +437,10 @@ fn quantile_table(columns: &[(&str, &ConditionReport)]) -> Table {
 
 /// Returns the interval of a median over the plants, and the comparison with the least median plant by plant.
 fn certainty(found: &ConditionReport) -> [Cell; 3] {
-    let interval = |of: Median| format!("{}-{}", percent(of.low), percent(of.high));
+    let interval = |of: Median| match of.low.zip(of.high) {
+        Some((low, high)) => format!("{}-{}", percent(low), percent(high)),
+        None => "-".to_owned(),
+    };
     let (over, worse) = found.more_than_least.map_or_else(
         || ("-".to_owned(), "-".to_owned()),
         |paired| {

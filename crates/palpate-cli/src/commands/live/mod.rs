@@ -201,5 +201,11 @@ fn report(lane: LaneEnd, watchdog: Option<WatchdogReport>, asked: &Asked) -> Res
     )
     .guarded(watchdog);
     print(&format!("\n{report}"))?;
-    outcome::of(&lane.end, asked, unwritten, recording.as_ref())
+    outcome::of(
+        &lane.end,
+        asked,
+        &lane.account,
+        unwritten,
+        recording.as_ref(),
+    )
 }

@@ -180,6 +180,6 @@ fn report(
     .with_energies(Energies::of_world(&lane.end, ledger))
     .guarded(watchdog);
     print(&format!("\n{report}"))?;
-    let outcome = outcome::of(&lane.end, asked, None, None);
+    let outcome = outcome::of(&lane.end, asked, &lane.account, None, None);
     outcome::by_device(outcome, &lane.end, &names(scene))
 }

@@ -167,7 +167,7 @@ impl Session<'_> {
                    can be opened again",
         };
         outcome::with_motion(
-            outcome::of(&end, &asked, unwritten, recording.as_ref()),
+            outcome::of(&end, &asked, &account, unwritten, recording.as_ref()),
             replayed::whole_or_said(&self.arguments.device),
         )
     }

@@ -6,7 +6,7 @@ use palpate_device::Device;
 use palpate_device::clock::Clock;
 use palpate_record::recording::Recording;
 use palpate_rt::safety::SafetyStop;
-use palpate_rt::{Ending, LoopEnd, LoopStatistics, Renders};
+use palpate_rt::{Account, Ending, LoopEnd, LoopStatistics, Renders};
 
 use crate::failure::Failure;
 use crate::recorded::whole_or_said;
@@ -33,6 +33,7 @@ const NO_MOMENT: Duration = Duration::from_millis(100);
 pub fn of<D: Device, C: Clock, R: Renders>(
     end: &LoopEnd<D, C, R>,
     asked: &Asked,
+    account: &Account,
     unwritten: Option<Failure>,
     recording: Option<&Recording>,
 ) -> Result<(), Failure> {
@@ -52,7 +53,7 @@ pub fn of<D: Device, C: Clock, R: Renders>(
             asked.duration
         )));
     }
-    motors(end, asked)?;
+    motors(end, asked, account)?;
     samples(&end.statistics)
 }
 
@@ -101,9 +102,23 @@ fn samples(statistics: &LoopStatistics) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Describes the safety stop of the end, with its time and the error of the device that caused it, if known.
+fn stop_in_words(safety_stop: SafetyStop, account: &Account) -> String {
+    let kind = format!("safety-stop-{}", safety_stop.name());
+    let stop = account.last_stop.as_ref().filter(|stop| stop.kind == kind);
+    let Some(stop) = stop else {
+        return safety_stop.to_string();
+    };
+    let error = account.last_device_error.as_ref();
+    let error = error.filter(|error| error.sequence == stop.sequence);
+    let error = error.map_or_else(String::new, |error| format!(": {}", error.text));
+    format!("{safety_stop}, since {:.4} s{error}", stop.time)
+}
+
 fn motors<D: Device, C: Clock, R: Renders>(
     end: &LoopEnd<D, C, R>,
     asked: &Asked,
+    account: &Account,
 ) -> Result<(), Failure> {
     let statistics = &end.statistics;
     let stays = |safety_stop: &SafetyStop| match safety_stop {
@@ -114,8 +129,9 @@ fn motors<D: Device, C: Clock, R: Renders>(
     let words = || motors_off(Some(time), statistics.motors_off, statistics.ticks);
     if let Some(safety_stop) = end.safety_stop.filter(stays) {
         return Err(Failure::MotorsOff(format!(
-            "{}; when it ended: {safety_stop}",
-            words()
+            "{}; when it ended: {}",
+            words(),
+            stop_in_words(safety_stop, account)
         )));
     }
     if time.motors_off > time.lasted / 2 {

@@ -145,7 +145,7 @@ impl Session<'_> {
             lost: "the device was lost before the end; `palpate run --reconnect` waits for one that \
                    can be opened again",
         };
-        let outcome = outcome::of(&end, &asked, unwritten, recording.as_ref());
+        let outcome = outcome::of(&end, &asked, &account, unwritten, recording.as_ref());
         outcome::by_device(outcome, &end, &names(scene))
     }
 

@@ -88,12 +88,42 @@ fn the_words_of_a_device_that_refuses_are_said() {
     let tell = move |text| told.send(text).unwrap();
     let read = "if [ $n = 21 ]; then echo error the motor is hot; fi; echo sample $n $n - 0";
     let mut device = opened(read, tell).unwrap();
-    assert_eq!(device.read().unwrap_err().kind, DeviceErrorKind::Refused);
+    assert_eq!(
+        device.read().unwrap_err().kind,
+        DeviceErrorKind::Interrupted
+    );
     drop(device);
     assert_eq!(
         hears.try_recv().unwrap(),
         "the device reported an error: the motor is hot"
     );
+}
+
+/// The program hangs until its pipe is full, then reads and answers again. The device recovers.
+#[test]
+fn a_program_that_does_not_read_for_a_while_recovers() {
+    let folder = tempfile::tempdir().unwrap();
+    let gate = folder.path().join("gate");
+    let made = Command::new("mkfifo").arg(&gate).status();
+    assert!(made.unwrap().success());
+    let read = format!(
+        "if [ $n = 21 ]; then read line < '{}'; fi; echo sample $n $n - 0",
+        gate.display()
+    );
+    let mut device = opened(&read, |_| {}).unwrap();
+    let missing = device.read().unwrap_err();
+    assert_eq!(missing.kind, DeviceErrorKind::NothingNew);
+    let push = Wrench::of_force([1.0, 0.0, 0.0]);
+    let untaken = std::iter::repeat_with(|| device.write(push)).find_map(Result::err);
+    assert_eq!(untaken.unwrap().kind, DeviceErrorKind::Interrupted);
+    std::fs::write(&gate, "open\n").unwrap();
+    // It reads what is in its pipe, and the pipe has room again.
+    while let Err(error) = device.write(push) {
+        assert_eq!(error.kind, DeviceErrorKind::Interrupted, "{error}");
+    }
+    while let Err(error) = device.read() {
+        assert_eq!(error.kind, DeviceErrorKind::NothingNew, "{error}");
+    }
 }
 
 #[test]

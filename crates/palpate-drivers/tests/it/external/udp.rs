@@ -209,7 +209,10 @@ fn a_device_refuses_with_its_own_words() {
         _ => vec![],
     });
     let mut device = opened(address).unwrap();
-    assert_eq!(device.read().unwrap_err().kind, DeviceErrorKind::Refused);
+    assert_eq!(
+        device.read().unwrap_err().kind,
+        DeviceErrorKind::Interrupted
+    );
     assert_eq!(device.reason(), Some("the motor is hot"));
     // It works again.
     while device
@@ -268,6 +271,21 @@ fn a_port_without_a_program_and_a_wrong_address_are_named() {
     let error = Place::udp("127.0.0.1:0").unwrap_err().to_string();
     assert!(error.contains("the port is 0"), "{error}");
     assert!(Place::udp("no.such.host.invalid:5005").is_err());
+}
+
+/// It waits two seconds for a first sample.
+#[test]
+fn the_first_unreadable_line_is_quoted() {
+    let (address, _ended) = device(|words| match words {
+        ["hello", ..] => vec![INTRODUCTION.into()],
+        ["read", n] => vec![format!("sample {n} {n} - 0,01 0")],
+        _ => vec![],
+    });
+    let error = opened(address).unwrap_err().to_string();
+    assert!(
+        error.contains("- 0,01 0\", but needed is: sample NUMBER N TIME X Y, with finite"),
+        "{error}"
+    );
 }
 
 #[test]
