@@ -27,7 +27,7 @@ def test_a_sweep_is_that_of_the_program(program: Any, root: Path) -> None:
     arguments = ("sweep", pantograph, "--over", "friction", "--values", "1", "--method", "basic")
     assert palpate.sweep(pantograph, "friction", np.float32(1), "basic") == program.json(*arguments)
     for wrong, words in [
-        ({"over": "mass"}, 'over is "mass", but must be one of "friction", "box", "damping"'),
+        ({"over": "mess"}, 'over is "mess", but must be one of "stiffness", "mass", "friction", "box", "damping"'),
         ({"values": []}, "values is empty"),
         ({"method": "basic"}, "experiments/fig2.toml: column basic: its method has no damping to vary"),
         ({"values": [-1.0]}, "experiments/fig2.toml:"),

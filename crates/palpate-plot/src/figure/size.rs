@@ -34,6 +34,7 @@ impl Size {
     ];
 
     /// Returns this size with another height `[mm]`.
+    #[cfg(feature = "results")]
     pub(crate) fn with_height(self, millimetres: f64) -> Self {
         Self {
             height: Some(PER_MILLIMETRE * millimetres),

@@ -131,7 +131,6 @@ impl WorldScene {
             },
             least_mass: [0, 1, 2].map(|axis| or(hand.least_mass[axis], half_of(mass[axis]))),
             least_inertia: or(hand.least_inertia, half_of(inertia)),
-            ..hand
         }
     }
 }
