@@ -2,13 +2,13 @@
 
 use crate::contact::convex_pairs::Blocks;
 use crate::contact::islands::Kind;
-use crate::contact::nearby::{MAX_NEARBY, approach};
+use crate::contact::nearby::{MAX_NEARBY, Nearby, approach};
 use crate::contact::pairs::Point;
 use crate::dynamics::joint_springs::Link;
 use crate::dynamics::moving_body::Part;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::Solid;
-use crate::integration::moving::Moving;
+use crate::integration::moving::{Moving, Room};
 
 /// Sub-step settings of an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +62,7 @@ impl SubSteps {
 /// Computing effort of the integration, and omitted work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
-    /// Number of sub-steps of the island that needed the most, including replaced ones.
+    /// Number of sub-steps of the island that needed the most, including replaced ones and those of repeated intervals.
     pub sub_steps: u32,
     /// Number of sub-steps that were replaced by shorter ones.
     pub refined: u32,
@@ -172,9 +172,48 @@ impl Fastest {
     }
 }
 
-/// Integrates `moving` over `h` `[s]`, starting from evaluated contacts, each island with its own sub-steps. `before` is
-/// overwritten.
+/// Maximum number of times that an interval is repeated because a part moved further than the selection of pairs
+/// assumed. The last one has all pairs.
+const MAX_REPEATS: u32 = 2;
+
+/// Integrates `moving` over `h` `[s]`, starting from evaluated contacts, each island with its own sub-steps. If a part
+/// moves further than the selection of pairs assumed, the interval is repeated with more pairs. `room` is overwritten.
 pub(crate) fn advance(
+    moving: &mut Moving,
+    room: &mut Room,
+    points: &[Point],
+    sub_steps: &SubSteps,
+    reach: Reach,
+    h: f64,
+) -> Effort {
+    let Room { before, start } = room;
+    let (mut repeats, mut replaced) = (0, 0);
+    moving.nearby.broad.assume_little();
+    loop {
+        moving.gather(points, h);
+        let may_repeat = repeats < MAX_REPEATS && !moving.nearby.broad.has_all();
+        if may_repeat {
+            start.nearby.copy_numbers_from(&moving.nearby);
+            start.copy_awake_from(moving);
+        }
+        let effort = advance_islands(moving, before, points, sub_steps, reach, h);
+        let Nearby { broad, islands, .. } = &mut moving.nearby;
+        if !may_repeat || !broad.was_outrun(&moving.parts, islands.all(Kind::Parts), h) {
+            return Effort {
+                sub_steps: replaced + effort.sub_steps,
+                ..effort
+            };
+        }
+        (repeats, replaced) = (repeats + 1, replaced + effort.sub_steps);
+        if repeats == MAX_REPEATS {
+            broad.assume_all();
+        }
+        moving.copy_awake_from(start);
+    }
+}
+
+/// Integrates the islands that are awake, after the selection of pairs.
+fn advance_islands(
     moving: &mut Moving,
     before: &mut Moving,
     points: &[Point],
@@ -182,7 +221,6 @@ pub(crate) fn advance(
     reach: Reach,
     h: f64,
 ) -> Effort {
-    moving.gather(points, h);
     moving.look_at_all(points);
     moving.begin_holding(points);
     before.nearby.copy_numbers_from(&moving.nearby);

@@ -12,7 +12,17 @@ use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::{Nearest, Solid};
 use crate::integration::held_tools::HeldTools;
+use crate::integration::interval::SubStepped;
 use crate::integration::yielding::ForceLimit;
+
+/// Scratch buffers of an interval.
+#[derive(Clone, Debug)]
+pub(crate) struct Room {
+    /// World at the start of a sub-step.
+    pub before: Moving,
+    /// World at the start of the interval.
+    pub start: Moving,
+}
 
 /// A world in motion.
 #[derive(Clone, Debug)]
@@ -59,6 +69,21 @@ impl Moving {
             blocks.copy_from(other);
         }
         self.links.copy_from_slice(&other.links);
+    }
+
+    /// Copies what an interval changes in the islands that are awake, without allocation. Both have the same active
+    /// points.
+    pub fn copy_awake_from(&mut self, other: &Self) {
+        for &number in self.nearby.parts() {
+            self.parts[number] = other.parts[number];
+        }
+        for &number in self.nearby.numbers() {
+            self.touches[number] = other.touches[number];
+        }
+        self.copy_near_from(other);
+        for (limit, other) in self.limits.iter_mut().zip(&other.limits) {
+            limit.has_acted = other.has_acted;
+        }
     }
 
     /// Copies the state of another motion of the same world, whose inactive points are apart in both, without

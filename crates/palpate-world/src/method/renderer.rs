@@ -21,7 +21,7 @@ use crate::dynamics::moving_body::{Drive, Part};
 use crate::geometry::axes::Axes;
 use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::{Mobility, Rigid, Vector3};
-use crate::integration::moving::Moving;
+use crate::integration::moving::{Moving, Room};
 use crate::integration::yielding::ForceLimit;
 use crate::method::far_side::Entry;
 use crate::method::initial::{links, part_of};
@@ -211,7 +211,10 @@ impl WorldRenderer {
         };
         let mut progress = Progress {
             ahead: now.clone(),
-            room: now.clone(),
+            room: Room {
+                before: now.clone(),
+                start: now.clone(),
+            },
             tracking: Tracking::new(&self.turns),
             commands: Commands::new(
                 self.tools,

@@ -14,6 +14,7 @@ mod conservation;
 mod cylinders;
 mod cylinders_anyhow;
 mod description;
+mod ejected;
 mod engine;
 mod engine_convex;
 mod engine_sub_steps;
