@@ -374,27 +374,6 @@ impl BroadPhase {
         was_outrun
     }
 
-    /// Returns whether a pair that is near at any distance is too distant to touch within `h` `[s]`.
-    pub fn is_distant(&mut self, number: usize, parts: &[Part], h: f64) -> bool {
-        let Pair {
-            parts: sides,
-            plane,
-            is_always_near,
-            ..
-        } = self.pairs.all[number];
-        if !is_always_near {
-            return false;
-        }
-        let gap = if plane.is_some() {
-            self.gap(number, parts)
-        } else {
-            let [first, second] = sides.map(|part| parts[part].rigid.position);
-            let [one, other] = sides.map(|part| self.pairs.radii[part]);
-            (first - second).norm() - one - other
-        };
-        gap > self.reach(sides, h)
-    }
-
     /// Returns the distance at which two parts stay apart within `h` `[s]` `[m]`.
     fn reach(&mut self, sides: [usize; 2], h: f64) -> f64 {
         let [one, other] = sides.map(|part| self.joined.speed(part));

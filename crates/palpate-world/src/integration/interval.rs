@@ -2,7 +2,7 @@
 
 use crate::contact::convex_pairs::Blocks;
 use crate::contact::islands::Kind;
-use crate::contact::nearby::{MAX_NEARBY, Nearby, approach};
+use crate::contact::nearby::{Nearby, approach};
 use crate::contact::pairs::Point;
 use crate::dynamics::joint_springs::Link;
 use crate::dynamics::moving_body::Part;
@@ -75,9 +75,8 @@ pub struct Effort {
     /// Whether the integration would be unstable even with four times [`SubSteps::most`]. The sample is then
     /// rejected.
     pub unstable: bool,
-    /// Maximum number of mesh triangles, mesh contacts and contact points omitted at a time for lack of capacity: the
-    /// most distant or least deep triangles and shell points, and the points of whole pairs without contact beyond
-    /// [`MAX_POINTS`](crate::MAX_POINTS).
+    /// Maximum number of mesh triangles, mesh contacts and points of large shells omitted at a time for lack of capacity:
+    /// the most distant or least deep ones.
     pub left_out: u32,
 }
 
@@ -241,7 +240,7 @@ fn advance_islands(
         }
         moving.elapsed = 0.0;
         moving.wake(has_tool);
-        let fastest = fastest(moving, &mut before.rates, points, h);
+        let fastest = fastest(moving, before, points, h);
         let is_still = |&part: &usize| moving.parts[part].still_for > 0.0;
         let sub_steps = if !has_tool && moving.nearby.parts().iter().all(is_still) {
             sub_steps.of_still()
@@ -391,20 +390,24 @@ fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 
 
 /// Returns bounds of the angular frequency and damping rate among the contacts that touch or may touch within `h`
 /// `[s]`. The bound over the two sides of a contact is the sum of stiffness or damping times mobility of all contacts
-/// there, plus the stiffest drive spring. `sums` of each tool and body are overwritten.
-fn fastest(moving: &Moving, sums: &mut [(f64, f64)], points: &[Point], h: f64) -> Fastest {
+/// there, plus the stiffest drive spring. The scratch buffers of `room` are overwritten.
+fn fastest(moving: &Moving, room: &mut Moving, points: &[Point], h: f64) -> Fastest {
+    let Moving {
+        rates: sums,
+        within_reach,
+        ..
+    } = room;
     let mut most_square: f64 = 0.0;
     let mut most_damping: f64 = 0.0;
     let links = moving.nearby.islands.all(Kind::Links).iter();
     let links = links.map(|&number| &moving.links[number]);
-    let mut near = [false; MAX_NEARBY];
-    for (near, &number) in near.iter_mut().zip(moving.nearby.numbers()) {
-        *near = may_touch(moving, number, &points[number], h);
+    within_reach.clear();
+    for &number in moving.nearby.numbers() {
+        if may_touch(moving, number, &points[number], h) {
+            within_reach.push(number);
+        }
     }
-    let near = moving.nearby.numbers().iter().zip(near);
-    let near = near
-        .filter(|(_, near)| *near)
-        .map(|(&number, _)| &points[number]);
+    let near = within_reach.all().iter().map(|&number| &points[number]);
     for side in near.clone().flat_map(|point| [point.first, point.second]) {
         sums[side] = (0.0, 0.0);
     }

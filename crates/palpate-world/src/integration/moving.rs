@@ -1,5 +1,6 @@
 //! A world in motion: poses, contact states, and sums since the interval began.
 
+use crate::contact::broad_phase::List;
 use crate::contact::convex_pairs::Blocks;
 use crate::contact::islands::Kind;
 use crate::contact::nearby::{NEARER, Nearby, approached};
@@ -52,6 +53,8 @@ pub(crate) struct Moving {
     pub limits: Vec<ForceLimit>,
     /// Sums of the bounds of squared angular frequency `[1/s^2]` and damping rate `[1/s]` at each part (scratch buffer).
     pub rates: Vec<(f64, f64)>,
+    /// Points that touch or may touch within an interval (scratch buffer).
+    pub within_reach: List,
     /// Time since the interval began `[s]`.
     pub elapsed: f64,
 }

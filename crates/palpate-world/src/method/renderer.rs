@@ -196,6 +196,7 @@ impl WorldRenderer {
             held: self.method.held_tools(self),
             limits: self.limits_in_motion(),
             rates: vec![(0.0, 0.0); self.parts.len()],
+            within_reach: List::new(self.points.len()),
             elapsed: 0.0,
         };
         let side = |number: usize| Side::new(number, self.tools);
