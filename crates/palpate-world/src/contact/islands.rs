@@ -19,8 +19,8 @@ impl Joined {
         }
     }
 
-    /// Makes each part an island. `radii` are those of the parts' bounding spheres `[m]`, `least` the least speeds of
-    /// those that move `[m/s]`. Returns the largest speed over `h` `[s]` `[m/s]`.
+    /// Makes each part an island. `radii` are those of the parts' bounding spheres `[m]`; parts that can move have at
+    /// least the speeds `least` `[m/s]`. Returns the largest speed over `h` `[s]` `[m/s]`.
     pub fn separate(&mut self, parts: &[Part], radii: &[f64], least: &[f64], h: f64) -> f64 {
         let mut fastest = 0.0_f64;
         for (number, part) in parts.iter().enumerate() {

@@ -258,6 +258,26 @@ fn advance_islands(
     effort
 }
 
+/// Returns whether the motion of an island that is awake would grow within `h` `[s]`, even with the most sub-steps.
+/// `room` is overwritten.
+pub(crate) fn would_grow(
+    moving: &mut Moving,
+    room: &mut Room,
+    points: &[Point],
+    sub_steps: &SubSteps,
+    h: f64,
+) -> bool {
+    moving.nearby.broad.assume_little();
+    moving.gather(points, h);
+    let shortest = h / f64::from(sub_steps.most.saturating_mul(MAX_TIMES));
+    let grows = (0..moving.nearby.islands.awake()).any(|island| {
+        moving.nearby.islands.enter(island);
+        fastest(moving, &mut room.before, points, h).grows(shortest)
+    });
+    moving.nearby.islands.leave();
+    grows
+}
+
 /// Islands that an interval covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reach {

@@ -21,6 +21,7 @@ use crate::dynamics::moving_body::{Drive, Part};
 use crate::geometry::axes::Axes;
 use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::{Mobility, Rigid, Vector3};
+use crate::integration::interval::would_grow;
 use crate::integration::moving::{Moving, Room};
 use crate::integration::yielding::ForceLimit;
 use crate::method::far_side::Entry;
@@ -363,7 +364,8 @@ impl WorldRenderer {
         };
         let mut limited = Limited::default();
         let positions = sample.positions;
-        if state.tracking.in_progress {
+        let begins = !state.tracking.in_progress;
+        if !begins {
             *effort = self
                 .method
                 .conclude(self, state, memory, positions, elapsed, &mut limited);
@@ -379,6 +381,15 @@ impl WorldRenderer {
         }
         state.tracking.trust();
         *effort = effort.and(self.plan(state, memory));
+        // Otherwise the next sample would be rejected, and this force would return after it.
+        if begins && !effort.unstable {
+            let WorldLoop {
+                sub_steps, period, ..
+            } = &self.loop_params;
+            let Progress { now, room, .. } = state;
+            effort.unstable = would_grow(now, room, &self.points, sub_steps, *period);
+            effort.too_fast |= effort.unstable;
+        }
         let intended = state.intended.iter().chain(&state.intended_torques);
         let intended = intended.chain(&state.slopes.intended);
         if effort.unstable || !intended.flatten().all(|x| x.is_finite()) {

@@ -41,6 +41,7 @@ mod migration;
 mod orientations;
 mod pressed;
 mod refusals;
+mod rejected;
 mod resting;
 mod settling;
 mod six_axes;
