@@ -235,7 +235,7 @@ fn advance_islands(
             .parts()
             .iter()
             .any(|&part| part < moving.tools);
-        if !has_tool && reach == Reach::OfTools {
+        if !has_tool && reach == Reach::OfTools && !moving.could_reach_a_tool(points, h) {
             continue;
         }
         moving.elapsed = 0.0;
@@ -282,7 +282,7 @@ pub(crate) fn would_grow(
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reach {
     All,
-    /// Islands with a tool. The others stay where they are.
+    /// Islands with a tool, and those whose energy could carry a body to one. The others stay where they are.
     OfTools,
 }
 

@@ -1,6 +1,6 @@
 //! A world in motion: poses, contact states, and sums since the interval began.
 
-use crate::contact::broad_phase::List;
+use crate::contact::broad_phase::{List, MARGIN};
 use crate::contact::convex_pairs::Blocks;
 use crate::contact::islands::Kind;
 use crate::contact::nearby::{NEARER, Nearby, approached};
@@ -243,6 +243,34 @@ impl Moving {
         for &number in self.nearby.islands.all(Kind::Links) {
             self.links[number].rest();
         }
+    }
+
+    /// Returns whether a body of the selected island could reach a tool within `h` `[s]`, if it got all energy of the
+    /// island.
+    pub fn could_reach_a_tool(&self, points: &[Point], h: f64) -> bool {
+        let parts = self.nearby.parts().iter();
+        let parts = parts.map(|&number| (number, &self.parts[number]));
+        let kinetic = parts.clone().map(|(_, part)| {
+            let (velocity, pushed) = (&part.rigid.velocity, part.drive.acceleration * h);
+            let worked = part.mobility.weighted(&pushed, &(velocity + pushed * 0.5));
+            part.mobility.kinetic_energy(&part.rigid) + worked.abs()
+        });
+        let stored = self.nearby.numbers().iter();
+        let stored = stored.map(|&number| self.stored(number, &points[number]));
+        let links = self.nearby.islands.all(Kind::Links).iter();
+        let links = links.map(|&number| self.links[number].stored);
+        let energy = kinetic.chain(stored).chain(links).sum::<f64>();
+        let radii = self.nearby.broad.pairs.radii();
+        parts.clone().any(|(number, part)| {
+            let speed = (2.0 * energy * part.mobility.linear.max()).sqrt();
+            self.parts[..self.tools]
+                .iter()
+                .zip(radii)
+                .any(|(tool, radius)| {
+                    let apart = (part.rigid.position - tool.rigid.position).norm();
+                    apart - radii[number] - radius <= (speed + tool.speed(*radius, h)) * h + MARGIN
+                })
+        })
     }
 
     /// Finds the bodies of the selected island that a contact or a joint supports.

@@ -1,7 +1,7 @@
 //! A light ball that two heavy ones squeeze out becomes much faster than any body at the start of the interval.
 
 use palpate_world::{
-    BasicParams, Body, ContactLaw, CoupledParams, Free, Motion, Sample, Shape, WorldLoop,
+    BasicParams, Body, ContactLaw, CoupledParams, Free, Motion, Sample, Shape, World, WorldLoop,
     WorldMethod, WorldRenderer,
 };
 
@@ -17,8 +17,8 @@ fn free(mass: f64, velocity: [f64; 3]) -> Free {
     }
 }
 
-/// Returns how far a ball of 2 g comes, which is ejected towards a fixed post at `x` `[m]`.
-fn furthest(method: WorldMethod, x: f64, distant: usize) -> f64 {
+/// Returns a ball of 2 g between two heavy ones, which eject it towards a fixed post at `x` `[m]`.
+fn ejecting(x: f64, distant: usize) -> World {
     let side = 0.033_454_774_646_900_94;
     let light = 0.001_727_086_556_017_146_7;
     let mut bodies = vec![
@@ -31,7 +31,12 @@ fn furthest(method: WorldMethod, x: f64, distant: usize) -> f64 {
         let at = [-0.5 - 0.1 * number as f64, 0.0, 0.3];
         bodies.push(ball(&format!("distant {number}"), POST, Free::of_mass(0.05)).at(at));
     }
-    let world = world(0.005, bodies, ContactLaw::spring(20_000.0));
+    world(0.005, bodies, ContactLaw::spring(20_000.0))
+}
+
+/// Returns how far the ball comes.
+fn furthest(method: WorldMethod, x: f64, distant: usize) -> f64 {
+    let world = ejecting(x, distant);
     let renderer = WorldRenderer::new(&world, WorldLoop::new(PERIOD), method).unwrap();
     let mut state = renderer.start();
     let mut furthest = 0.0_f64;
@@ -57,5 +62,27 @@ fn an_ejected_ball_stops_at_what_is_beyond_the_expected_reach() {
                 );
             }
         }
+    }
+}
+
+/// The same ball hits a light tool, which moves freely. With more than four free bodies its island has no tool yet.
+#[test]
+fn a_tool_foresees_the_ejected_ball_in_a_large_world() {
+    let forces = |distant: usize| {
+        let world = ejecting(0.3, distant);
+        let method = CoupledParams::new(vec![[0.05; 3]]);
+        let renderer = WorldRenderer::new(&world, WorldLoop::new(PERIOD), method).unwrap();
+        let mut state = renderer.start();
+        let forces = (0..8).map(|_| {
+            let output = renderer.step(&mut state, &Sample::at(&[[0.088, 0.0, 0.0]]));
+            assert_eq!(output.fault, None);
+            output.forces[0][0]
+        });
+        forces.collect::<Vec<_>>()
+    };
+    let (few, many) = (forces(0), forces(3));
+    assert!(few.iter().any(|force| force.abs() > 1.0), "{few:?}");
+    for (few, many) in few.iter().zip(&many) {
+        assert!((few - many).abs() < 1e-6, "{few} {many}");
     }
 }
