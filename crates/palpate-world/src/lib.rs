@@ -16,7 +16,6 @@ mod integration;
 mod method;
 
 pub use contact::law::Mode;
-pub use contact::nearby::MAX_POINTS;
 pub use contact::pairs::{MAX_POSSIBLE_POINTS, MAX_SHELL_POINTS, Side};
 pub use description::body::{Body, Free, Motion, Tool};
 pub use description::contact::{Contact, ContactLaw, Party};

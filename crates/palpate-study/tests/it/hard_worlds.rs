@@ -161,8 +161,6 @@ fn ledger_excludes_unstable_motion_of_rejected_samples() {
                 run.refused
             );
             assert!(run.refused >= 50, "{}", run.refused);
-            // Where every other sample is used, the device is pushed by the drawer at its start: as deep as it is
-            // there.
             assert!(created.abs() < 0.1 && dissipated < 0.1 && off == 0.0);
             let stored: f64 = ledger.joints.iter().map(|entry| entry.stored).sum();
             let at_start = if strong.contains("rest_m") { 5e-3 } else { 0.0 };

@@ -187,9 +187,12 @@ impl Pairs {
     }
 }
 
-/// Ratio of the speed that a part may reach within an interval to the largest one in its island: 2 by the push of a
-/// heavier part, and as much again where that turns it.
+/// Ratio of the speed that a part is assumed to reach within an interval to the largest one in its island: 2 by the push
+/// of a heavier part, and as much again where that turns it. A part between two others may become faster, and the
+/// interval is then repeated.
 const PUSHED: f64 = 4.0;
+/// Ratio of the displacement that a repeated interval assumes to that of a part that moved too far.
+const WIDER: f64 = 2.0;
 /// Number of searches for pairs after which all candidates are near.
 const MAX_PASSES: usize = 16;
 
@@ -225,6 +228,10 @@ pub(crate) struct BroadPhase {
     halves: Box<[Vector3]>,
     /// Extent of each part along the swept axis `[m]`.
     extents: Box<[[f64; 2]]>,
+    /// Speeds of all parts that the last selection assumed `[m/s]`.
+    assumed: Box<[f64]>,
+    /// Speeds that the next selection assumes at least `[m/s]`.
+    least: Box<[f64]>,
 }
 
 impl BroadPhase {
@@ -240,6 +247,8 @@ impl BroadPhase {
             order: pairs.bounded.clone().into(),
             halves: pairs.halves.clone().into(),
             extents: vec![[0.0; 2]; pairs.radii.len()].into(),
+            assumed: vec![0.0; pairs.radii.len()].into(),
+            least: vec![0.0; pairs.radii.len()].into(),
             pairs: Arc::new(pairs),
         }
     }
@@ -303,7 +312,7 @@ impl BroadPhase {
     ) {
         let pairs = self.pairs.clone();
         self.clear();
-        let fastest = self.joined.separate(parts, &pairs.radii, h);
+        let fastest = self.joined.separate(parts, &pairs.radii, &self.least, h);
         for &[one, other] in links {
             self.join(parts, one, other);
         }
@@ -326,27 +335,43 @@ impl BroadPhase {
         self.sweep(&pairs, parts, reach);
         self.choose_candidates(parts, &pairs, is_whole, h);
         self.near.sort();
+        for part in 0..parts.len() {
+            self.assumed[part] = if is_whole {
+                fastest
+            } else {
+                self.joined.speed(part)
+            };
+        }
     }
 
-    /// Returns whether a pair that is near at any distance is too distant to touch within `h` `[s]`.
-    pub fn is_distant(&mut self, number: usize, parts: &[Part], h: f64) -> bool {
-        let Pair {
-            parts: sides,
-            plane,
-            is_always_near,
-            ..
-        } = self.pairs.all[number];
-        if !is_always_near {
-            return false;
+    /// Returns whether all pairs are near, so nothing depends on the assumed speeds.
+    pub fn has_all(&self) -> bool {
+        self.near().len() == self.pairs.all.len()
+    }
+
+    /// Assumes only the speeds at the start of an interval.
+    pub fn assume_little(&mut self) {
+        self.least.fill(0.0);
+    }
+
+    /// Assumes that everything moves by any distance, so all pairs are near.
+    pub fn assume_all(&mut self) {
+        self.least.fill(f64::INFINITY);
+    }
+
+    /// Returns whether one of the parts `moved` further within `h` `[s]` than the last selection assumed, and assumes that
+    /// it moves by more in the next.
+    pub fn was_outrun(&mut self, parts: &[Part], moved: &[usize], h: f64) -> bool {
+        let mut was_outrun = false;
+        for &number in moved {
+            let part = &parts[number];
+            let way = part.way + part.turned * self.pairs.radii[number];
+            if way > PUSHED * h * self.assumed[number] + 0.5 * MARGIN {
+                self.least[number] = WIDER * way / (PUSHED * h);
+                was_outrun = true;
+            }
         }
-        let gap = if plane.is_some() {
-            self.gap(number, parts)
-        } else {
-            let [first, second] = sides.map(|part| parts[part].rigid.position);
-            let [one, other] = sides.map(|part| self.pairs.radii[part]);
-            (first - second).norm() - one - other
-        };
-        gap > self.reach(sides, h)
+        was_outrun
     }
 
     /// Returns the distance at which two parts stay apart within `h` `[s]` `[m]`.

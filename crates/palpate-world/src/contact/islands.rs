@@ -19,13 +19,16 @@ impl Joined {
         }
     }
 
-    /// Makes each part an island. `radii` are those of the parts' bounding spheres `[m]`. Returns the largest speed
-    /// over `h` `[s]` `[m/s]`.
-    pub fn separate(&mut self, parts: &[Part], radii: &[f64], h: f64) -> f64 {
+    /// Makes each part an island. `radii` are those of the parts' bounding spheres `[m]`; parts that can move have at
+    /// least the speeds `least` `[m/s]`. Returns the largest speed over `h` `[s]` `[m/s]`.
+    pub fn separate(&mut self, parts: &[Part], radii: &[f64], least: &[f64], h: f64) -> f64 {
         let mut fastest = 0.0_f64;
         for (number, part) in parts.iter().enumerate() {
             self.towards[number] = number;
             self.speeds[number] = part.speed(radii[number], h);
+            if least[number] > self.speeds[number] && !part.is_fixed {
+                self.speeds[number] = least[number];
+            }
             fastest = fastest.max(self.speeds[number]);
         }
         fastest

@@ -51,11 +51,6 @@ impl Patch {
     }
 }
 
-/// Maximum number of contact points that a tick evaluates, without those of [large](crate::PointShell::MAX_ALWAYS)
-/// shells. Memory for them is reserved when a world is created. Of more points near enough to touch within an
-/// interval, those of whole pairs without contact are omitted and counted (`Effort::left_out`).
-pub const MAX_POINTS: usize = 1024;
-
 /// Indices of the active points: those of near pairs, and the nearest points in patches up to the capacity.
 #[derive(Clone, Debug)]
 pub(crate) struct Nearby {
@@ -76,7 +71,7 @@ pub(crate) struct Nearby {
     is_recent: Box<[bool]>,
     /// Pairs of convex solids that the last selection added.
     fresh: List,
-    /// Maximum number of near points beyond the capacity at a time.
+    /// Maximum number of near points in patches beyond the capacity at a time.
     left_out: u32,
 }
 
@@ -85,8 +80,6 @@ pub(crate) struct Nearby {
 const MAX_OF_A_WHOLE: usize = 4;
 /// Maximum number of active points in patches: as many as may lie in a plane, plus some beside it.
 const ROOM: usize = MAX_CORNERS + MAX_CORNERS / 2;
-/// Maximum number of active points.
-pub(crate) const MAX_NEARBY: usize = MAX_POINTS + ROOM;
 
 /// Maximum ratio of the change in distance from a solid to the displacement: the spline of a grid overshoots near
 /// edges.
@@ -113,12 +106,14 @@ impl Nearby {
         for &number in patches.iter().flat_map(|patch| &patch.numbers) {
             is_in_patch[number] = true;
         }
+        let in_patches = is_in_patch.iter().filter(|is_in| **is_in).count();
+        let most_active = points.len() - in_patches + in_patches.min(ROOM);
         let pairs = Pairs::new(points, blocks, &is_in_patch, halves);
         Self {
             broad: BroadPhase::new(pairs),
             islands: Islands::new([
                 parts,
-                points.len().min(MAX_NEARBY),
+                most_active,
                 surfaces.len(),
                 blocks.len(),
                 links.len(),
@@ -127,7 +122,7 @@ impl Nearby {
             surfaces,
             links,
             patches: patches.into(),
-            numbers: List::new(points.len().min(MAX_NEARBY)),
+            numbers: List::new(most_active),
             always: 0,
             recent: List::new(points.len()),
             is_recent: vec![false; points.len()].into(),
@@ -187,7 +182,7 @@ impl Nearby {
         self.fresh.all()
     }
 
-    /// Returns the maximum number of points beyond the capacity since the last call.
+    /// Returns the maximum number of points in patches beyond the capacity since the last call.
     pub fn take_left_out(&mut self) -> u32 {
         std::mem::take(&mut self.left_out)
     }
@@ -218,7 +213,7 @@ impl Nearby {
     /// Activates all touching points, after an external change.
     pub fn recollect(&mut self, touches: impl Fn(usize) -> bool) {
         self.broad.select_touching(&touches);
-        self.take_pairs(&touches, |_, _| false);
+        self.take_pairs();
         let mut found = Found::new();
         for &number in self.patches.iter().flat_map(|patch| &patch.numbers) {
             if touches(number) {
@@ -255,47 +250,18 @@ impl Nearby {
         islands.distribute(Kind::Blocks, blocks);
     }
 
-    /// Activates the points of the near pairs. If there are too many, touching pairs come first, and pairs too distant
-    /// to touch within the interval last.
-    fn take_pairs(
-        &mut self,
-        touches: impl Fn(usize) -> bool,
-        is_distant: impl Fn(&mut BroadPhase, usize) -> bool,
-    ) {
-        let pairs = self.broad.pairs.clone();
+    /// Activates the points of the near pairs.
+    fn take_pairs(&mut self) {
         self.numbers.clear();
         self.fresh.clear();
-        let near = self.broad.near().iter();
-        let total: usize = near.map(|&pair| pairs.all[pair].points).sum();
-        let is_crowded = total > MAX_POINTS;
-        let mut left = MAX_POINTS;
-        for turn in 0..if is_crowded { 3 } else { 1 } {
-            for place in 0..self.broad.near().len() {
-                let number = self.broad.near()[place];
-                let pair = &pairs.all[number];
-                let own_turn = if !is_crowded || pair.numbers().any(&touches) {
-                    0
-                } else {
-                    1 + u8::from(is_distant(&mut self.broad, number))
-                };
-                if own_turn != turn || pair.points > left {
-                    continue;
-                }
-                left -= pair.points;
-                for point in pair.numbers() {
-                    self.numbers.push(point);
-                }
-                if let Some(blocks) = pair.blocks.filter(|_| !self.broad.was_near(number)) {
-                    self.fresh.push(blocks);
-                }
+        for &number in self.broad.near() {
+            let pair = &self.broad.pairs.all[number];
+            for point in pair.numbers() {
+                self.numbers.push(point);
             }
-        }
-        if is_crowded {
-            self.numbers.sort();
-            let left_out = total - self.numbers.all().len();
-            self.left_out = self
-                .left_out
-                .max(u32::try_from(left_out).unwrap_or(u32::MAX));
+            if let Some(blocks) = pair.blocks.filter(|_| !self.broad.was_near(number)) {
+                self.fresh.push(blocks);
+            }
         }
         self.always = self.numbers.all().len();
     }
@@ -336,7 +302,7 @@ impl Nearby {
             }
         }
         self.broad.select(parts, &self.links, &touches, is_whole, h);
-        self.take_pairs(&touches, |broad, pair| broad.is_distant(pair, parts, h));
+        self.take_pairs();
         for patch in self.patches.iter() {
             let Some(any) = patch.numbers.first().map(|&number| &points[number]) else {
                 continue;

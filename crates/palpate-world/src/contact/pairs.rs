@@ -15,8 +15,8 @@ use crate::{
     WorldPart,
 };
 
-/// Maximum number of possible contact points of a world, without those of large shells. A tick evaluates only near ones,
-/// at most [`MAX_POINTS`](crate::MAX_POINTS). Each possible point takes about 2 kB of memory.
+/// Maximum number of possible contact points of a world, without those of large shells. A tick evaluates all near ones
+/// that are not at rest. Each possible point takes about 2.5 kB of memory.
 pub const MAX_POSSIBLE_POINTS: usize = 1 << 16;
 
 /// Maximum number of contact points of large shells in a world. A tick visits all of them a few times.

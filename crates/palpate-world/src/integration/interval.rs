@@ -2,13 +2,13 @@
 
 use crate::contact::convex_pairs::Blocks;
 use crate::contact::islands::Kind;
-use crate::contact::nearby::{MAX_NEARBY, approach};
+use crate::contact::nearby::{Nearby, approach};
 use crate::contact::pairs::Point;
 use crate::dynamics::joint_springs::Link;
 use crate::dynamics::moving_body::Part;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::Solid;
-use crate::integration::moving::Moving;
+use crate::integration::moving::{Moving, Room};
 
 /// Sub-step settings of an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +62,7 @@ impl SubSteps {
 /// Computing effort of the integration, and omitted work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
-    /// Number of sub-steps of the island that needed the most, including replaced ones.
+    /// Number of sub-steps of the island that needed the most, including replaced ones and those of repeated intervals.
     pub sub_steps: u32,
     /// Number of sub-steps that were replaced by shorter ones.
     pub refined: u32,
@@ -75,9 +75,8 @@ pub struct Effort {
     /// Whether the integration would be unstable even with four times [`SubSteps::most`]. The sample is then
     /// rejected.
     pub unstable: bool,
-    /// Maximum number of mesh triangles, mesh contacts and contact points omitted at a time for lack of capacity: the
-    /// most distant or least deep triangles and shell points, and the points of whole pairs without contact beyond
-    /// [`MAX_POINTS`](crate::MAX_POINTS).
+    /// Maximum number of mesh triangles, mesh contacts and points of large shells omitted at a time for lack of capacity:
+    /// the most distant or least deep ones.
     pub left_out: u32,
 }
 
@@ -172,9 +171,48 @@ impl Fastest {
     }
 }
 
-/// Integrates `moving` over `h` `[s]`, starting from evaluated contacts, each island with its own sub-steps. `before` is
-/// overwritten.
+/// Maximum number of times that an interval is repeated because a part moved further than the selection of pairs
+/// assumed. The last one has all pairs.
+const MAX_REPEATS: u32 = 2;
+
+/// Integrates `moving` over `h` `[s]`, starting from evaluated contacts, each island with its own sub-steps. If a part
+/// moves further than the selection of pairs assumed, the interval is repeated with more pairs. `room` is overwritten.
 pub(crate) fn advance(
+    moving: &mut Moving,
+    room: &mut Room,
+    points: &[Point],
+    sub_steps: &SubSteps,
+    reach: Reach,
+    h: f64,
+) -> Effort {
+    let Room { before, start } = room;
+    let (mut repeats, mut replaced) = (0, 0);
+    moving.nearby.broad.assume_little();
+    loop {
+        moving.gather(points, h);
+        let may_repeat = repeats < MAX_REPEATS && !moving.nearby.broad.has_all();
+        if may_repeat {
+            start.nearby.copy_numbers_from(&moving.nearby);
+            start.copy_awake_from(moving);
+        }
+        let effort = advance_islands(moving, before, points, sub_steps, reach, h);
+        let Nearby { broad, islands, .. } = &mut moving.nearby;
+        if !may_repeat || !broad.was_outrun(&moving.parts, islands.all(Kind::Parts), h) {
+            return Effort {
+                sub_steps: replaced + effort.sub_steps,
+                ..effort
+            };
+        }
+        (repeats, replaced) = (repeats + 1, replaced + effort.sub_steps);
+        if repeats == MAX_REPEATS {
+            broad.assume_all();
+        }
+        moving.copy_awake_from(start);
+    }
+}
+
+/// Integrates the islands that are awake, after the selection of pairs.
+fn advance_islands(
     moving: &mut Moving,
     before: &mut Moving,
     points: &[Point],
@@ -182,7 +220,6 @@ pub(crate) fn advance(
     reach: Reach,
     h: f64,
 ) -> Effort {
-    moving.gather(points, h);
     moving.look_at_all(points);
     moving.begin_holding(points);
     before.nearby.copy_numbers_from(&moving.nearby);
@@ -198,12 +235,12 @@ pub(crate) fn advance(
             .parts()
             .iter()
             .any(|&part| part < moving.tools);
-        if !has_tool && reach == Reach::OfTools {
+        if !has_tool && reach == Reach::OfTools && !moving.could_reach_a_tool(points, h) {
             continue;
         }
         moving.elapsed = 0.0;
         moving.wake(has_tool);
-        let fastest = fastest(moving, &mut before.rates, points, h);
+        let fastest = fastest(moving, before, points, h);
         let is_still = |&part: &usize| moving.parts[part].still_for > 0.0;
         let sub_steps = if !has_tool && moving.nearby.parts().iter().all(is_still) {
             sub_steps.of_still()
@@ -221,11 +258,31 @@ pub(crate) fn advance(
     effort
 }
 
+/// Returns whether the motion of an island that is awake would grow within `h` `[s]`, even with the most sub-steps.
+/// `room` is overwritten.
+pub(crate) fn would_grow(
+    moving: &mut Moving,
+    room: &mut Room,
+    points: &[Point],
+    sub_steps: &SubSteps,
+    h: f64,
+) -> bool {
+    moving.nearby.broad.assume_little();
+    moving.gather(points, h);
+    let shortest = h / f64::from(sub_steps.most.saturating_mul(MAX_TIMES));
+    let grows = (0..moving.nearby.islands.awake()).any(|island| {
+        moving.nearby.islands.enter(island);
+        fastest(moving, &mut room.before, points, h).grows(shortest)
+    });
+    moving.nearby.islands.leave();
+    grows
+}
+
 /// Islands that an interval covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reach {
     All,
-    /// Islands with a tool. The others stay where they are.
+    /// Islands with a tool, and those whose energy could carry a body to one. The others stay where they are.
     OfTools,
 }
 
@@ -353,20 +410,24 @@ fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 
 
 /// Returns bounds of the angular frequency and damping rate among the contacts that touch or may touch within `h`
 /// `[s]`. The bound over the two sides of a contact is the sum of stiffness or damping times mobility of all contacts
-/// there, plus the stiffest drive spring. `sums` of each tool and body are overwritten.
-fn fastest(moving: &Moving, sums: &mut [(f64, f64)], points: &[Point], h: f64) -> Fastest {
+/// there, plus the stiffest drive spring. The scratch buffers of `room` are overwritten.
+fn fastest(moving: &Moving, room: &mut Moving, points: &[Point], h: f64) -> Fastest {
+    let Moving {
+        rates: sums,
+        within_reach,
+        ..
+    } = room;
     let mut most_square: f64 = 0.0;
     let mut most_damping: f64 = 0.0;
     let links = moving.nearby.islands.all(Kind::Links).iter();
     let links = links.map(|&number| &moving.links[number]);
-    let mut near = [false; MAX_NEARBY];
-    for (near, &number) in near.iter_mut().zip(moving.nearby.numbers()) {
-        *near = may_touch(moving, number, &points[number], h);
+    within_reach.clear();
+    for &number in moving.nearby.numbers() {
+        if may_touch(moving, number, &points[number], h) {
+            within_reach.push(number);
+        }
     }
-    let near = moving.nearby.numbers().iter().zip(near);
-    let near = near
-        .filter(|(_, near)| *near)
-        .map(|(&number, _)| &points[number]);
+    let near = within_reach.all().iter().map(|&number| &points[number]);
     for side in near.clone().flat_map(|point| [point.first, point.second]) {
         sums[side] = (0.0, 0.0);
     }

@@ -1,5 +1,6 @@
 //! A world in motion: poses, contact states, and sums since the interval began.
 
+use crate::contact::broad_phase::{List, MARGIN};
 use crate::contact::convex_pairs::Blocks;
 use crate::contact::islands::Kind;
 use crate::contact::nearby::{NEARER, Nearby, approached};
@@ -12,7 +13,17 @@ use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::{Nearest, Solid};
 use crate::integration::held_tools::HeldTools;
+use crate::integration::interval::SubStepped;
 use crate::integration::yielding::ForceLimit;
+
+/// Scratch buffers of an interval.
+#[derive(Clone, Debug)]
+pub(crate) struct Room {
+    /// World at the start of a sub-step.
+    pub before: Moving,
+    /// World at the start of the interval.
+    pub start: Moving,
+}
 
 /// A world in motion.
 #[derive(Clone, Debug)]
@@ -42,6 +53,8 @@ pub(crate) struct Moving {
     pub limits: Vec<ForceLimit>,
     /// Sums of the bounds of squared angular frequency `[1/s^2]` and damping rate `[1/s]` at each part (scratch buffer).
     pub rates: Vec<(f64, f64)>,
+    /// Points that touch or may touch within an interval (scratch buffer).
+    pub within_reach: List,
     /// Time since the interval began `[s]`.
     pub elapsed: f64,
 }
@@ -59,6 +72,21 @@ impl Moving {
             blocks.copy_from(other);
         }
         self.links.copy_from_slice(&other.links);
+    }
+
+    /// Copies what an interval changes in the islands that are awake, without allocation. Both have the same active
+    /// points.
+    pub fn copy_awake_from(&mut self, other: &Self) {
+        for &number in self.nearby.parts() {
+            self.parts[number] = other.parts[number];
+        }
+        for &number in self.nearby.numbers() {
+            self.touches[number] = other.touches[number];
+        }
+        self.copy_near_from(other);
+        for (limit, other) in self.limits.iter_mut().zip(&other.limits) {
+            limit.has_acted = other.has_acted;
+        }
     }
 
     /// Copies the state of another motion of the same world, whose inactive points are apart in both, without
@@ -215,6 +243,34 @@ impl Moving {
         for &number in self.nearby.islands.all(Kind::Links) {
             self.links[number].rest();
         }
+    }
+
+    /// Returns whether a body of the selected island could reach a tool within `h` `[s]`, if it got all energy of the
+    /// island.
+    pub fn could_reach_a_tool(&self, points: &[Point], h: f64) -> bool {
+        let parts = self.nearby.parts().iter();
+        let parts = parts.map(|&number| (number, &self.parts[number]));
+        let kinetic = parts.clone().map(|(_, part)| {
+            let (velocity, pushed) = (&part.rigid.velocity, part.drive.acceleration * h);
+            let worked = part.mobility.weighted(&pushed, &(velocity + pushed * 0.5));
+            part.mobility.kinetic_energy(&part.rigid) + worked.abs()
+        });
+        let stored = self.nearby.numbers().iter();
+        let stored = stored.map(|&number| self.stored(number, &points[number]));
+        let links = self.nearby.islands.all(Kind::Links).iter();
+        let links = links.map(|&number| self.links[number].stored);
+        let energy = kinetic.chain(stored).chain(links).sum::<f64>();
+        let radii = self.nearby.broad.pairs.radii();
+        parts.clone().any(|(number, part)| {
+            let speed = (2.0 * energy * part.mobility.linear.max()).sqrt();
+            self.parts[..self.tools]
+                .iter()
+                .zip(radii)
+                .any(|(tool, radius)| {
+                    let apart = (part.rigid.position - tool.rigid.position).norm();
+                    apart - radii[number] - radius <= (speed + tool.speed(*radius, h)) * h + MARGIN
+                })
+        })
     }
 
     /// Finds the bodies of the selected island that a contact or a joint supports.

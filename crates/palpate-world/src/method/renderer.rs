@@ -21,7 +21,8 @@ use crate::dynamics::moving_body::{Drive, Part};
 use crate::geometry::axes::Axes;
 use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::{Mobility, Rigid, Vector3};
-use crate::integration::moving::Moving;
+use crate::integration::interval::would_grow;
+use crate::integration::moving::{Moving, Room};
 use crate::integration::yielding::ForceLimit;
 use crate::method::far_side::Entry;
 use crate::method::initial::{links, part_of};
@@ -196,6 +197,7 @@ impl WorldRenderer {
             held: self.method.held_tools(self),
             limits: self.limits_in_motion(),
             rates: vec![(0.0, 0.0); self.parts.len()],
+            within_reach: List::new(self.points.len()),
             elapsed: 0.0,
         };
         let side = |number: usize| Side::new(number, self.tools);
@@ -211,7 +213,10 @@ impl WorldRenderer {
         };
         let mut progress = Progress {
             ahead: now.clone(),
-            room: now.clone(),
+            room: Room {
+                before: now.clone(),
+                start: now.clone(),
+            },
             tracking: Tracking::new(&self.turns),
             commands: Commands::new(
                 self.tools,
@@ -359,7 +364,8 @@ impl WorldRenderer {
         };
         let mut limited = Limited::default();
         let positions = sample.positions;
-        if state.tracking.in_progress {
+        let begins = !state.tracking.in_progress;
+        if !begins {
             *effort = self
                 .method
                 .conclude(self, state, memory, positions, elapsed, &mut limited);
@@ -375,6 +381,15 @@ impl WorldRenderer {
         }
         state.tracking.trust();
         *effort = effort.and(self.plan(state, memory));
+        // Otherwise the next sample would be rejected, and this force would return after it.
+        if begins && !effort.unstable {
+            let WorldLoop {
+                sub_steps, period, ..
+            } = &self.loop_params;
+            let Progress { now, room, .. } = state;
+            effort.unstable = would_grow(now, room, &self.points, sub_steps, *period);
+            effort.too_fast |= effort.unstable;
+        }
         let intended = state.intended.iter().chain(&state.intended_torques);
         let intended = intended.chain(&state.slopes.intended);
         if effort.unstable || !intended.flatten().all(|x| x.is_finite()) {

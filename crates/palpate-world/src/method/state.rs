@@ -9,7 +9,7 @@ use crate::device::tracking::Tracking;
 use crate::dynamics::ledger::{CreatedAtPorts, EnergyLedger};
 use crate::dynamics::moving_body::Part;
 use crate::geometry::rigid::{Rigid, Vector3, quaternion};
-use crate::integration::moving::Moving;
+use crate::integration::moving::{Moving, Room};
 use crate::method::Memory;
 use crate::method::far_side::Entry;
 use crate::method::lines::Slopes;
@@ -30,8 +30,7 @@ pub(crate) struct Progress {
     pub now: Moving,
     /// Scratch buffer for the prediction.
     pub ahead: Moving,
-    /// Scratch buffer for the state at the start of a sub-step.
-    pub room: Moving,
+    pub room: Room,
     pub tracking: Tracking,
     pub commands: Commands,
     /// Torques; empty if no tool turns.

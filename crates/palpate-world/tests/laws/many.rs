@@ -1,10 +1,8 @@
 //! Worlds with many bodies and contact points.
 
-use std::sync::Arc;
-
 use palpate_world::{
-    BasicParams, Body, ContactLaw, CoupledParams, Free, HfcrParams, Hull, MAX_POINTS, Motion,
-    Party, Sample, Shape, Vector, World, WorldLoop, WorldMethod, WorldRenderer, WorldState,
+    BasicParams, Body, ContactLaw, CoupledParams, Free, HfcrParams, Motion, Party, Sample, Shape,
+    Vector, World, WorldLoop, WorldMethod, WorldRenderer, WorldState,
 };
 
 use crate::balance::{Balance, of_bodies};
@@ -98,49 +96,68 @@ fn large_worlds_are_rendered_whole() {
     }
 }
 
+/// Each box has 8 points on the floor.
 #[test]
-fn near_points_beyond_the_capacity_are_counted_and_touching_ones_stay() {
-    let count = 150;
-    let mut world = boxes(count, 1);
-    // More are possible if the boxes touch each other.
-    world.contacts[0].between = [Party::Named("floor".into()), Party::Any];
-    let (renderer, mut state) = start(&world, BasicParams::default());
-    for tick in 0..20 {
-        let output = renderer.step(&mut state, &Sample::at(&[FAR]));
-        assert_eq!(output.fault, None);
-        // Whole boxes of 8 corners; the first sample ends no interval.
-        let left_out = if tick == 0 { 0 } else { 8 * count - MAX_POINTS };
-        assert_eq!(output.effort.left_out as usize, left_out);
+fn a_tool_feels_one_of_many_boxes_as_if_it_were_alone() {
+    let felt = |count: usize| {
+        let mut world = boxes(count, 1);
+        // More points are possible if the boxes touch each other.
+        world.contacts[0].between = [Party::Named("floor".into()), Party::Any];
+        let mut of_tool = world.contacts[0].clone();
+        of_tool.between = [Party::Named("tool".into()), Party::Any];
+        world.contacts.push(of_tool);
+        let (renderer, mut state) = start(&world, BasicParams::default());
+        let mut forces = Vec::new();
+        for tick in 0..60 {
+            let tool = [0.0, 0.0, 0.0255 - 2e-5 * f64::from(tick)];
+            let output = renderer.step(&mut state, &Sample::at(&[tool]));
+            assert_eq!((output.fault, output.effort.left_out), (None, 0));
+            forces.push(output.forces[0][2]);
+        }
+        // The tool presses the first one down.
+        for body in &state.bodies()[2..] {
+            assert!(body.velocity[2] > -0.01, "{:?}", body.velocity);
+        }
+        forces
+    };
+    let alone = felt(1);
+    assert!(alone[59] > 1.0, "{} N", alone[59]);
+    for (many, alone) in felt(200).into_iter().zip(alone) {
+        assert!((many - alone).abs() < 1e-9, "{many} instead of {alone} N");
     }
-    let held = state.bodies()[1..].iter();
-    let held = held.filter(|body| body.velocity[2] > -0.01).count();
-    assert_eq!(held, MAX_POINTS / 8);
 }
 
-/// A sphere and a hull are near at any distance, so 100 cubes have 400 points with the tool and 800 with the floor.
+/// With a period of 20 ms all pairs of 60 balls are near.
 #[test]
-fn distant_meshes_leave_their_room_to_near_contacts() {
-    let corners =
-        (0..8_u8).map(|corner| [0, 1, 2].map(|axis| f64::from(corner >> axis & 1) * 0.04 - 0.02));
-    let corners: Vec<Vector> = corners.collect();
-    let hull = Shape::Hull(Arc::new(Hull::around(&corners).unwrap()));
-    let mut bodies = vec![plane("floor", [0.0, 0.0, 1.0])];
-    for number in 0..100 {
-        let (row, place) = (f64::from(number / 10), f64::from(number % 10));
-        let cube = Body::new(
-            format!("cube {number}"),
-            hull.clone(),
-            Motion::Free(heavy()),
-        );
-        bodies.push(cube.at([0.1 * place, 0.1 * row, 0.02 + 1e-6]));
-    }
-    let (renderer, mut state) = start(&world(0.005, bodies, law()), BasicParams::default());
-    for _ in 0..20 {
-        let output = renderer.step(&mut state, &Sample::at(&[FAR]));
-        assert_eq!(output.fault, None);
-    }
-    for body in &state.bodies()[1..] {
-        assert!(body.velocity[2] > -0.01, "{:?}", body.velocity);
+fn the_order_of_the_bodies_does_not_decide_what_touches() {
+    let fallen = |is_floor_last: bool| {
+        let mut world = balls(60, 0.045);
+        world.contacts[0].law = ContactLaw::spring(300.0).with_damping(1.0);
+        for body in &mut world.bodies[1..] {
+            body.position[2] = 0.04;
+            if let Motion::Free(free) = &mut body.motion {
+                free.velocity = [0.0, 0.0, -1.5];
+            }
+        }
+        if is_floor_last {
+            world.bodies.rotate_left(1);
+        }
+        let method = BasicParams::default();
+        let renderer = WorldRenderer::new(&world, WorldLoop::new(0.02), method).unwrap();
+        let mut state = renderer.start();
+        for _ in 0..8 {
+            let output = renderer.step(&mut state, &Sample::at(&[FAR]));
+            assert_eq!(output.fault, None);
+        }
+        let mut bodies = state.bodies().to_vec();
+        if is_floor_last {
+            bodies.rotate_right(1);
+        }
+        bodies
+    };
+    for (first, last) in fallen(false).iter().zip(fallen(true)) {
+        let off = (first.position[2] - last.position[2]).abs();
+        assert!(off < 1e-9, "{off} m apart");
     }
 }
 

@@ -204,6 +204,7 @@ impl WorldRenderer {
     /// Evaluates the new elements at the current poses, and sums the loads of all elements on the bodies.
     fn evaluate_new(&self, state: &mut Progress, new: &New<'_>) {
         let Progress { now, room, .. } = state;
+        let room = &mut room.before;
         now.parts.iter_mut().for_each(Part::wake);
         now.begin_everywhere();
         now.recollect();
