@@ -138,9 +138,7 @@ fn actuator_model_brings_coupled_near_the_hold_bound() {
     let too_long = "--delay-periods is 0.009 s, 9 periods";
     folder.fail(&format!("{pipe} --delay-periods 9"), 2, &[too_long]);
     let question = "--lag is 1 s; is it in milliseconds? A lag of 1 ms is --lag 0.001";
-    let lagging = folder
-        .palpate("simulate scene.toml --method basic --lag 1")
-        .stderr;
+    let lagging = folder.palpate("simulate scene.toml --lag 1").stderr;
     assert!(lagging.contains(question), "{lagging}");
     let negative = "--delay is -1 s, but must be finite and not below 0";
     folder.fail("simulate scene.toml --delay -1", 2, &[negative]);
@@ -596,10 +594,8 @@ fn a_lateness_that_was_learned_is_said() {
     assert!((milliseconds - 0.5).abs() < 0.1, "{ran}");
     let info = folder.succeed("info rec.mcap");
     assert!(info.contains("learned-lateness: "), "{info}");
-    folder.write(
-        "certain.toml",
-        LATE.replace("delay_deviation_s = 0.0003", "delay_deviation_s = 0"),
-    );
+    let certain = LATE.replace("delay_deviation_s = 0.0003", "delay_deviation_s = 0");
+    folder.write("certain.toml", certain);
     let certain = folder.succeed("run certain.toml --record certain.mcap --fast --duration 2.5");
     assert!(!certain.contains("learned-lateness"), "{certain}");
 }

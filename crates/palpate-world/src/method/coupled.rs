@@ -15,7 +15,6 @@ use crate::integration::interval::{Reach, advance};
 use crate::integration::moving::Moving;
 use crate::method::state::{Progress, show_contacts};
 use crate::{Effort, Limited, Vector, WorldRenderer};
-use palpate_core::Hold;
 
 /// Coupled rendering, with checked parameters.
 #[derive(Clone, Debug)]
@@ -300,7 +299,7 @@ impl Coupled {
             acted,
             way,
             moved: position - device.measured,
-            bend: if renderer.loop_params.actuation.hold == Hold::Line {
+            bend: if renderer.loop_params.actuation.hold == palpate_core::Hold::Line {
                 (end.of(|axis| axis.velocity) - start.of(|axis| axis.velocity)) / elapsed
             } else {
                 Vector3::zeros()
