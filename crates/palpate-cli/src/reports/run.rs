@@ -274,7 +274,7 @@ impl RunReport {
             connections: connections(end, devices, names),
             peak_force_n: account.peak_force,
             deepest_penetration_m: account.deepest,
-            leak_held_j: last.held_leak,
+            leak_held_j: end.control.rendered().created_energy(),
             most_created_energy_j: account.most_created,
             checks_timing: end.control.rendered().checks_timing(),
             port_work_j: last.port_work,
