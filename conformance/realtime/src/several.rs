@@ -76,7 +76,7 @@ pub fn faults_of_each(watch: &mut Watch) {
             (Step::At([0.0, 0.1, 0.1]), SafetyStop::TooFast),
             (Step::Fails(Refused), SafetyStop::DeviceRefused),
             (Step::Fails(Disconnected), SafetyStop::DeviceLost),
-            (Step::RefusesForce(place), SafetyStop::DeviceRefused),
+            (Step::FailsForce(Refused, place), SafetyStop::DeviceRefused),
         ] {
             let clock = SteppedClock::new();
             let devices = [0, 1].map(|device| {

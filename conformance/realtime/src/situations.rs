@@ -170,7 +170,7 @@ fn faults(watch: &mut Watch) {
         (Step::Fails(Refused), SafetyStop::DeviceRefused),
         (Step::Fails(Disconnected), SafetyStop::DeviceLost),
         (
-            Step::RefusesForce([1e-3, 0.0, 0.0]),
+            Step::FailsForce(Refused, [1e-3, 0.0, 0.0]),
             SafetyStop::DeviceRefused,
         ),
     ];
