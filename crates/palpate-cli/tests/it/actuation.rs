@@ -118,11 +118,8 @@ fn actuator_model_brings_coupled_near_the_hold_bound() {
     assert_eq!(error("--delay 0.01"), error("--delay-periods 1"));
     assert_eq!(error("--delay 0.005"), error("--delay-periods 0.5"));
     let both = "simulate scene.toml --delay 0.01 --delay-periods 1";
-    folder.fail(
-        both,
-        2,
-        &["--delay", "--delay-periods", "cannot be used with"],
-    );
+    let words = ["--delay", "--delay-periods", "cannot be used with"];
+    folder.fail(both, 2, &words);
     let too_long =
         "--delay is 20 s, 2000 periods of 0.01 s, but must be at most 1024 periods, 10.24 s";
     let in_periods = "--delay is in seconds, --delay-periods in periods";
@@ -140,8 +137,8 @@ fn actuator_model_brings_coupled_near_the_hold_bound() {
     let question = "--lag is 1 s; is it in milliseconds? A lag of 1 ms is --lag 0.001";
     let lagging = folder.palpate("simulate scene.toml --lag 1").stderr;
     assert!(lagging.contains(question), "{lagging}");
-    let negative = "--delay is -1 s, but must be finite and not below 0";
-    folder.fail("simulate scene.toml --delay -1", 2, &[negative]);
+    let negative = &["--delay is -1 s, but must be finite and not below 0"];
+    folder.fail("simulate scene.toml --delay -1", 2, negative);
 }
 
 #[test]
