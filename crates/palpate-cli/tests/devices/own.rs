@@ -90,7 +90,8 @@ fn the_cause_of_no_force_is_said_without_control_characters() {
     let folder = folder();
     let script = "while read -r word n rest; do case $word in \
          hello) printf 'device 1 axes=1 mass_kg=20 name=\\033[31mred\\n';; \
-         read) if [ $n -gt 60 ]; then printf 'error hot\\033[2J\\n'; fi; echo sample $n $n - 0.005;; esac; done";
+         read) if [ $n -gt 60 ]; then printf 'error hot\\033[2J\\n'; else echo sample $n $n - 0.005; fi;; \
+         esac; done";
     std::fs::write(folder.path("hot.sh"), script).unwrap();
     let mut command = program(&folder, "run wall.toml --method basic --period 0.01");
     let ran = command

@@ -392,9 +392,8 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     let created = number(&report, "leak_held_j");
     assert!((0.05..0.5).contains(&created), "{created} J");
     assert!(number(&report, "outside_work_j") != 0.0);
-    // The recording's leak includes the part that limits of the force explain.
-    let last = *rows(&folder, "off.mcap").last().unwrap();
-    assert!(last.contact.held_leak >= created);
+    // Without the energy that limits of the force explain, as the safety counts it.
+    assert!(created <= number(&report, "most_created_energy_j"));
     // The recording itself is complete, with the same numbers.
     assert_eq!(report["recording"]["complete"], true);
     let info = folder.json("info off.mcap");
