@@ -20,7 +20,7 @@ use crate::checked::above_zero;
 use crate::fields::read;
 use crate::names::refused;
 use crate::renderer::safety_params;
-use crate::world::rows;
+use crate::world::{EffortValues, effort_values, rows};
 
 /// Shape name, its lengths, its pose in body axes, and points.
 type GivenShape = (String, Vec<f64>, Vector, Quaternion, Vec<Vector>);
@@ -72,7 +72,7 @@ struct Sampled {
 struct Answer {
     forces: Vec<Vector>,
     limited: Vec<&'static str>,
-    effort: (u32, u32, u32, bool),
+    effort: EffortValues,
     fault: Option<&'static str>,
 }
 
@@ -80,7 +80,7 @@ struct Answer {
 type EngineResult<'py> = (
     Bound<'py, PyArray2<f64>>,
     Vec<&'static str>,
-    (u32, u32, u32, bool),
+    EffortValues,
     Option<&'static str>,
 );
 /// Indices of tool and body, mode, point, normal, penetration and force.
@@ -286,12 +286,7 @@ impl EngineContact {
         self.last = Some(Answer {
             forces,
             limited,
-            effort: (
-                effort.sub_steps,
-                effort.refined,
-                effort.unrefined,
-                effort.too_fast,
-            ),
+            effort: effort_values(effort),
             fault: fault.map(|fault| fault.fault.name()),
         });
         Ok(held)

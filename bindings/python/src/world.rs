@@ -54,12 +54,28 @@ struct Answer {
     faulty: Option<String>,
 }
 
+/// Sub-steps, refined and unrefined ones, whether a contact is too fast, and the number of ignored triangles and points.
+pub type EffortValues = (u32, u32, u32, bool, u32);
+
+/// Converts to the tuple for Python.
+pub fn effort_values(effort: Effort) -> EffortValues {
+    let Effort {
+        sub_steps,
+        refined,
+        unrefined,
+        too_fast,
+        left_out,
+        ..
+    } = effort;
+    (sub_steps, refined, unrefined, too_fast, left_out)
+}
+
 /// Forces or wrenches, slopes, limits, effort, fault and its device.
 type WorldResult<'py> = (
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
     Vec<&'static str>,
-    (u32, u32, u32, bool),
+    EffortValues,
     Option<String>,
     Option<String>,
 );
@@ -244,18 +260,11 @@ impl PyWorld {
         let Some(answer) = &self.last else {
             return Ok(None);
         };
-        let Effort {
-            sub_steps,
-            refined,
-            unrefined,
-            too_fast,
-            ..
-        } = answer.effort;
         Ok(Some((
             self.held(py, &answer.wrenches)?,
             rows(py, &answer.slopes)?,
             answer.limited.clone(),
-            (sub_steps, refined, unrefined, too_fast),
+            effort_values(answer.effort),
             answer.fault.clone(),
             answer.faulty.clone(),
         )))

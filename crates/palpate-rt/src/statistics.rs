@@ -65,6 +65,8 @@ pub struct LoopStatistics {
     pub refused: u64,
     /// Number of consecutive ones at the end of the last tick.
     pub refused_at_end: u64,
+    /// Ticks at which the renderer of a world ignored triangles or shell points for lack of room.
+    pub crowded: u64,
     /// Ticks at whose end a safety stop kept the motors off.
     pub motors_off: u64,
     /// Duration of the loop, and the part of it without a delivered force. A stall without ticks counts too.
@@ -87,6 +89,7 @@ impl LoopStatistics {
             without_sample: 0,
             refused: 0,
             refused_at_end: 0,
+            crowded: 0,
             motors_off: 0,
             time: LoopTime::default(),
             off_at_end: Duration::ZERO,

@@ -70,7 +70,9 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         let mut fault = None;
         if are_fresh {
             elapsed = self.elapsed();
-            fault = self.render(elapsed, stalled).fault;
+            let answer = self.render(elapsed, stalled);
+            fault = answer.fault;
+            self.statistics.crowded += u64::from(answer.is_crowded);
         } else {
             self.statistics.without_sample += u64::from(self.devices.lack_a_sample());
             self.devices.go_without(stalled);

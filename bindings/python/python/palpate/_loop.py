@@ -108,6 +108,9 @@ class LoopReport(NamedTuple):
     """Number of ticks without a fresh sample."""
     refused: int
     """Number of ticks whose sample the renderer rejected; their force is 0."""
+    crowded: int
+    """Number of ticks at which the renderer of a world ignored triangles or shell points for lack of room: the
+    furthest."""
     motors_off: int
     """Number of ticks at whose end a safety stop kept the motors off."""
     cuts: int

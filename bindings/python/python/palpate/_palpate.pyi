@@ -141,7 +141,7 @@ class Loop:
         self,
     ) -> tuple[
         tuple[str | None, str | None, str | None, str | None],
-        tuple[int, int, int, int, int, int],
+        tuple[int, int, int, int, int, int, int],
         tuple[_Times, _Times],
         tuple[int, int] | None,
         list[tuple[list[int], list[float] | None] | None],
@@ -181,7 +181,7 @@ class World:
     def result(
         self,
     ) -> (
-        tuple[NDArray[np.float64], NDArray[np.float64], list[str], tuple[int, int, int, bool], str | None, str | None]
+        tuple[NDArray[np.float64], NDArray[np.float64], list[str], tuple[int, int, int, bool, int], str | None, str | None]
         | None
     ): ...
     def width(self) -> int: ...
@@ -200,7 +200,7 @@ class EngineContact:
     def tell_sent(self, tool: int, force: _Vector) -> None: ...
     def result(
         self,
-    ) -> tuple[NDArray[np.float64], list[str], tuple[int, int, int, bool], str | None] | None: ...
+    ) -> tuple[NDArray[np.float64], list[str], tuple[int, int, int, bool, int], str | None] | None: ...
     def tools_now(self) -> list[tuple[list[_Vector], _Vector | None]]: ...
 
 @disjoint_base

@@ -22,6 +22,8 @@ class Effort(NamedTuple):
     """Sub-steps with a change of contact mode that were not repeated, because there were too many."""
     too_fast: bool
     """Whether the fastest contact needed more sub-steps than a tick allows."""
+    left_out: int
+    """Number of near triangles and shell points that were ignored for lack of room: the furthest."""
 
 
 class WorldOutput(NamedTuple):

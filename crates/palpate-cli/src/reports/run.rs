@@ -125,6 +125,8 @@ pub struct TimingReport {
     without_sample: u64,
     /// Number of ticks whose sample the renderer rejected; they render no force.
     refused: u64,
+    /// Number of ticks at which the renderer of a world ignored triangles or shell points for lack of room: the furthest.
+    crowded: u64,
     lateness_s: Percentiles,
     tick_s: Percentiles,
     round_trip_s: Percentiles,
@@ -163,6 +165,7 @@ impl From<&LoopStatistics> for TimingReport {
             missed_deadlines: statistics.missed_deadlines,
             without_sample: statistics.without_sample,
             refused: statistics.refused,
+            crowded: statistics.crowded,
             lateness_s: (&statistics.lateness).into(),
             tick_s: (&statistics.tick).into(),
             round_trip_s: (&statistics.round_trip).into(),
@@ -463,6 +466,9 @@ impl fmt::Display for TimingReport {
         )?;
         if self.refused > 0 {
             write!(f, "; {} refused", self.refused)?;
+        }
+        if self.crowded > 0 {
+            write!(f, "; {}", super::crowded(self.crowded, "tick"))?;
         }
         writeln!(f)?;
         let header = ["", "median [us]", "99 %", "99.9 %", "longest"];

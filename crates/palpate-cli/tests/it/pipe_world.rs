@@ -148,6 +148,43 @@ stiffness_n_per_m = 3000.0
     assert!(answer.stderr.contains(said), "{answer:?}");
 }
 
+/// 400 triangles meet at the centre of the plate: more than the renderer can hold.
+const FAN: &str = r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = 0.2
+position_m = [0.0, 0.0, 0.002]
+tool = { sphere = { radius_m = 0.003 } }
+[[body]]
+name = "plate"
+fixed = true
+shape = { mesh = { revolved = { profile_m = [[0.0, -0.02], [0.02, -0.02], [0.02, 0.0], [0.0, 0.0]], segments = 400 } } }
+[[contact]]
+between = "*"
+stiffness_n_per_m = 500.0
+"#;
+
+#[test]
+fn ignored_triangles_are_said() {
+    let folder = folder();
+    folder.write("fan.toml", FAN);
+    let answer = folder.palpate_reading("0,0,0.002\n0.015,0,0.002\n", "pipe fan.toml --json");
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let said = "line 1: more triangles or shell points are near than the renderer can hold; it ignores the furthest";
+    assert!(answer.stderr.contains(said), "{answer:?}");
+    let summary = answer.stderr.lines().last().unwrap();
+    assert_eq!(crate::common::parse(summary)["crowded"], 1, "{answer:?}");
+    let answer = folder.palpate("run fan.toml --fast --duration 0.1 --json");
+    assert_eq!(
+        crate::common::parse(&answer.stdout)["timing"]["crowded"],
+        100,
+        "{answer:?}"
+    );
+}
+
 #[test]
 fn a_line_that_cannot_be_read_takes_the_forces_off_and_the_next_one_is_answered() {
     let input = "0,0,0.069,1,0,0.08\nwhat\n0,0,0.069,1,0,0.08\nnan,0,0,0,0,0\n";

@@ -185,6 +185,7 @@ impl Renders for LocalWorld {
         Answer {
             coordinate: 0.0,
             fault,
+            is_crowded: false,
         }
     }
 

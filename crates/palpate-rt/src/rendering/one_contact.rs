@@ -113,6 +113,7 @@ impl Renders for OneContact {
         Answer {
             coordinate,
             fault: output.fault,
+            is_crowded: false,
         }
     }
 

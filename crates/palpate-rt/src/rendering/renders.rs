@@ -125,4 +125,7 @@ pub struct Answer {
     pub coordinate: f64,
     /// Reason for rejecting the sample, if any.
     pub fault: Option<Fault>,
+    /// Whether a world had more triangles or shell points near its tools and bodies than it has room for, and ignored
+    /// the furthest ones.
+    pub is_crowded: bool,
 }

@@ -245,6 +245,7 @@ impl Renders for RenderedWorld {
         }
         self.is_new.fill(true);
         let fault = output.fault.map(|fault| fault.fault);
+        let is_crowded = output.effort.left_out > 0;
         self.limited = output.limited;
         let recorded = self.state.created_at_ports();
         self.created
@@ -252,6 +253,7 @@ impl Renders for RenderedWorld {
         Answer {
             coordinate: 0.0,
             fault,
+            is_crowded,
         }
     }
 

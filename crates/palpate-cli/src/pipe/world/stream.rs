@@ -98,6 +98,7 @@ impl WorldStream {
         };
         let held = self.world.step(&sample);
         let (fault, limited, bounded) = (held.fault, held.limited, held.bounded);
+        let is_crowded = held.effort.left_out > 0;
         answer(
             &mut self.memory.text,
             (held.wrenches, held.slopes),
@@ -115,6 +116,13 @@ impl WorldStream {
         }
         self.summary.samples += 1;
         self.summary.limited += u64::from(shortened);
+        self.summary.crowded += u64::from(is_crowded);
+        if is_crowded && self.summary.crowded == 1 {
+            self.tell(format_args!(
+                "line {number}: more triangles or shell points are near than the renderer can hold; it ignores the \
+                 furthest. Further lines are only counted in the summary"
+            ));
+        }
         self.summary.guarded += u64::from(limited.guard);
         if limited.guard && self.summary.guarded == 1 {
             self.tell(format_args!(

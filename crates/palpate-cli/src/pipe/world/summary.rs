@@ -7,7 +7,7 @@ use palpate_world::EnergyLedger;
 use serde::Serialize;
 
 use crate::pipe::number::millijoules;
-use crate::reports::if_as_modelled;
+use crate::reports::{crowded, if_as_modelled};
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate world pipe 1";
@@ -30,6 +30,8 @@ pub struct WorldSummary {
     pub beyond_guard: u64,
     /// Lines with a force reduced by the soft start.
     pub softened: u64,
+    /// Lines at which the renderer ignored triangles or shell points for lack of room: the furthest.
+    pub crowded: u64,
     /// Number of times a tool or body went through a solid and came out of its far side.
     pub went_through: u64,
     /// Reason of the safety stop that has held all forces at 0 since; none: no safety stop.
@@ -64,6 +66,7 @@ impl WorldSummary {
             guarded: 0,
             beyond_guard: 0,
             softened: 0,
+            crowded: 0,
             went_through: 0,
             safety_stop: None,
             force_limit_n,
@@ -101,6 +104,9 @@ impl fmt::Display for WorldSummary {
         )?;
         if let Some(reason) = self.safety_stop {
             write!(f, "; safety stop: {reason}")?;
+        }
+        if self.crowded > 0 {
+            write!(f, "; {}", crowded(self.crowded, "line"))?;
         }
         if self.guarded > 0 {
             let lines = counted(self.guarded, "line");
