@@ -171,18 +171,20 @@ stiffness_n_per_m = 500.0
 fn ignored_triangles_are_said() {
     let folder = folder();
     folder.write("fan.toml", FAN);
-    let answer = folder.palpate_reading("0,0,0.002\n0.015,0,0.002\n", "pipe fan.toml --json");
+    let answer = folder.palpate_reading(
+        "0,0,0.002\n0.015,0,0.002\n0.015,0,0.002\n",
+        "pipe fan.toml --json",
+    );
     assert_eq!(answer.code, 0, "{answer:?}");
     let said = "line 1: more triangles or shell points are near than the renderer can hold; it ignores the furthest";
     assert!(answer.stderr.contains(said), "{answer:?}");
     let summary = answer.stderr.lines().last().unwrap();
-    assert_eq!(crate::common::parse(summary)["crowded"], 1, "{answer:?}");
+    assert_eq!(crate::common::parse(summary)["crowded"], 2, "{answer:?}");
     let answer = folder.palpate("run fan.toml --fast --duration 0.1 --json");
-    assert_eq!(
-        crate::common::parse(&answer.stdout)["timing"]["crowded"],
-        100,
-        "{answer:?}"
-    );
+    let report = crate::common::parse(&answer.stdout);
+    let ticks = report["timing"]["crowded"].as_u64().unwrap();
+    // The contact pushes the tool away.
+    assert!((10..=100).contains(&ticks), "{answer:?}");
 }
 
 #[test]
