@@ -160,6 +160,19 @@ def test_ledger_of_joint_closes(root: Path, name: str, kind: str) -> None:
     assert [joint.kind for joint in again.ledger.joints] == [kind]
 
 
+def test_ignored_triangles_are_counted() -> None:
+    # 400 triangles meet at the centre of the plate.
+    profile = [[0.0, -0.02], [0.02, -0.02], [0.02, 0.0], [0.0, 0.0]]
+    plate = {"mesh": {"revolved": {"profile_m": profile, "segments": 400}}}
+    world = ball(
+        devices=[{"name": "tool", "mass_kg": 0.2, "tool": {"sphere": {"radius_m": 0.003}}}],
+        bodies=[{"name": "plate", "fixed": True, "shape": plate}],
+        contacts=[{"between": "*", "stiffness_n_per_m": 500.0}],
+    )
+    world.step((0.0, 0.0, 0.002))
+    assert world.output is not None and world.output.effort.left_out > 100
+
+
 def test_what_a_world_has_can_be_read_after_a_sample() -> None:
     world = ball()
     assert world.output is None and world.period == 0.001 and world.method == "coupled"
