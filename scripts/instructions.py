@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
 """Counts the instructions of one tick, by method and class, and compares them with the table.
 
-    scripts/instructions.py            fail if a tick costs more than in the table
-    scripts/instructions.py --update   write a new table
+    scripts/instructions.py --program P            fail if a tick costs more than in the table
+    scripts/instructions.py --program P --update   write a new table
+
+P is the program of an optimised build. Its rows, of the class `loop`, are ticks of `palpate run` on the simulated
+device: loop, safety, device and renderer. Without P they are left out.
 
 Valgrind counts, so the numbers do not depend on the machine's speed or load; they do depend on the
 compiler and its target. A count may exceed its row by 5 % and 5 instructions.
@@ -20,6 +23,9 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 TABLE = ROOT / "crates/palpate-core/benches/instructions.csv"
+# Methods and durations [s] of the runs of the loop.
+LOOP_METHODS = ["basic", "hfcr", "coupled"]
+LOOP_SECONDS = [1, 3]
 
 
 def build():
@@ -61,13 +67,36 @@ def count(program):
     return counts
 
 
+def count_loop(program):
+    """Runs `palpate run` in simulated time under callgrind: {(method, "loop"): instructions per tick}."""
+    counts = {}
+    for method in LOOP_METHODS:
+        totals = []
+        for seconds in LOOP_SECONDS:
+            command = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", program, "run"]
+            command += ["experiments/wall.toml", "--method", method, "--fast", "--duration", str(seconds)]
+            run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+            if run.returncode != 0:
+                sys.exit(run.stderr)
+            totals.append(int(re.search(r"Collected : (\d+)", run.stderr)[1]))
+        # The difference excludes start and end. The scene has 1000 ticks a second.
+        once, twice = LOOP_SECONDS
+        counts[method, "loop"] = (totals[1] - totals[0]) / (1000 * (twice - once))
+    return counts
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--program", help="program of an optimised build, for the ticks of a loop")
     parser.add_argument("--update", action="store_true", help="write a new table")
-    update = parser.parse_args().update
+    arguments = parser.parse_args()
     counts = count(build())
+    if arguments.program:
+        counts |= count_loop(arguments.program)
+    elif arguments.update:
+        parser.error("a new table needs --program")
 
-    if update:
+    if arguments.update:
         with TABLE.open("w", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(["method", "class", "instructions_per_tick"])
@@ -77,6 +106,9 @@ def main():
         rows = csv.DictReader(file)
         table = {(r["method"], r["class"]): float(r["instructions_per_tick"]) for r in rows}
 
+    if not arguments.program:
+        print("without --program: no row of a loop")
+        table = {name: value for name, value in table.items() if name[1] != "loop"}
     failures = [f"{name} is no longer measured" for name in table.keys() - counts.keys()]
     print(f"{'instructions per tick':28}{'now':>8}{'table':>8}")
     for name, value in counts.items():
