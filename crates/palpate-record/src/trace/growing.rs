@@ -2,22 +2,24 @@
 
 use std::io::{self, Read};
 
-const MARK: &[u8] = b"\xef\xbb\xbf";
+/// Byte order mark.
+const MARK: char = '\u{feff}';
 
 /// Longest line of a trace `[bytes]`. A file without lines, such as `/dev/zero`, is rejected there and not read up to
 /// the limit of a table.
 const LONGEST_LINE: usize = 1 << 20;
 
-/// A reader that keeps the bytes it has passed on. A byte order mark at the start is kept, but not passed on.
+/// A reader that keeps the text it has passed on. A byte order mark at the start is kept, but not passed on.
 pub(super) struct Growing<R> {
     reader: R,
-    kept: Vec<u8>,
-    /// Number of bytes passed on.
+    /// Text read so far.
+    text: String,
+    /// Bytes after the text: an incomplete character, or a block with a byte that is not UTF-8.
+    rest: Vec<u8>,
+    /// Number of bytes of the text passed on.
     passed: usize,
     /// Offset of the last line.
     line: usize,
-    /// Number of bytes known to be UTF-8.
-    valid: usize,
     begun: bool,
     ended: bool,
     fault: Option<Unread>,
@@ -35,10 +37,10 @@ impl<R: Read> Growing<R> {
     pub fn new(reader: R) -> Self {
         Self {
             reader,
-            kept: Vec::new(),
+            text: String::new(),
+            rest: Vec::new(),
             passed: 0,
             line: 0,
-            valid: 0,
             begun: false,
             ended: false,
             fault: None,
@@ -47,8 +49,8 @@ impl<R: Read> Growing<R> {
 
     /// Returns the length of the byte order mark at the start.
     pub fn mark(&self) -> usize {
-        if self.kept.starts_with(MARK) {
-            MARK.len()
+        if self.text.starts_with(MARK) {
+            MARK.len_utf8()
         } else {
             0
         }
@@ -56,7 +58,7 @@ impl<R: Read> Growing<R> {
 
     /// Returns the text read so far.
     pub fn text(&self) -> &str {
-        std::str::from_utf8(&self.kept[..self.valid]).unwrap_or_default()
+        &self.text
     }
 
     /// Returns the first line with data, which is read ahead and not yet passed on.
@@ -67,8 +69,7 @@ impl<R: Read> Growing<R> {
 
     /// Returns the available part of that line, and whether it ends.
     fn header(&self) -> Option<(&str, bool)> {
-        let text = self.text();
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let text = self.text.strip_prefix(MARK).unwrap_or(&self.text);
         let mut lines = text.split_inclusive(['\n', '\r']);
         let line = lines.find(|line| !line.trim().is_empty() && !line.starts_with('#'))?;
         Some((line.trim_end(), line.ends_with(['\n', '\r'])))
@@ -81,11 +82,11 @@ impl<R: Read> Growing<R> {
 
     /// Reads on until the line after the one at `from` has ended, for the context of an error.
     pub fn read_past(&mut self, from: usize) {
-        let feeds = |kept: &[u8]| {
-            let rest = kept.get(from..).unwrap_or_default();
-            rest.iter().filter(|byte| **byte == b'\n').count()
+        let feeds = |text: &str| {
+            let after = text.as_bytes().get(from..).unwrap_or_default();
+            after.iter().filter(|byte| **byte == b'\n').count()
         };
-        while feeds(&self.kept) < 2 && self.more() {}
+        while feeds(&self.text) < 2 && self.more() {}
     }
 
     /// Reads one block; returns whether it contained usable text.
@@ -93,42 +94,28 @@ impl<R: Read> Growing<R> {
         if self.ended {
             return false;
         }
-        let before = self.kept.len();
-        self.kept.resize(before + (1 << 16), 0);
+        let before = self.rest.len();
+        self.rest.resize(before + (1 << 16), 0);
         let read = loop {
-            match self.reader.read(&mut self.kept[before..]) {
+            match self.reader.read(&mut self.rest[before..]) {
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 read => break read,
             }
         };
-        self.kept.truncate(before + *read.as_ref().unwrap_or(&0));
+        self.rest.truncate(before + *read.as_ref().unwrap_or(&0));
         match read {
             Ok(0) => {
                 self.ended = true;
                 // An incomplete character.
-                if let Some(byte) = self.kept.get(self.valid) {
-                    self.fault = Some(Unread::NotUtf8(*byte));
-                }
+                self.fault = self.rest.first().map(|byte| Unread::NotUtf8(*byte));
             }
-            Ok(_) => {
-                if let Err(error) = std::str::from_utf8(&self.kept[self.valid..]) {
-                    self.valid += error.valid_up_to();
-                    if error.error_len().is_some() {
-                        self.ended = true;
-                        self.fault = Some(Unread::NotUtf8(self.kept[self.valid]));
-                    }
-                } else {
-                    self.valid = self.kept.len();
-                }
-            }
+            Ok(_) => self.take_text(),
             Err(error) => {
                 self.ended = true;
                 self.fault = Some(Unread::Io(error));
             }
         }
-        let feed = self.kept[before..].iter().rposition(|byte| *byte == b'\n');
-        self.line = feed.map_or(self.line, |at| before + at + 1);
-        if self.kept.len() - self.line > LONGEST_LINE && !self.ended {
+        if self.text.len() + self.rest.len() - self.line > LONGEST_LINE && !self.ended {
             self.ended = true;
             self.fault = Some(Unread::Io(io::Error::new(
                 io::ErrorKind::FileTooLarge,
@@ -137,22 +124,41 @@ impl<R: Read> Growing<R> {
         }
         !self.ended
     }
+
+    /// Moves the valid part of the bytes to the text.
+    fn take_text(&mut self) {
+        let before = self.text.len();
+        let (valid, invalid) = match std::str::from_utf8(&self.rest) {
+            Ok(text) => (text, None),
+            Err(error) => {
+                let (valid, after) = self.rest.split_at(error.valid_up_to());
+                let is_incomplete = error.error_len().is_none();
+                let invalid = after.first().filter(|_| !is_incomplete).copied();
+                (std::str::from_utf8(valid).unwrap_or_default(), invalid)
+            }
+        };
+        self.text.push_str(valid);
+        self.rest.drain(..valid.len());
+        if let Some(byte) = invalid {
+            self.ended = true;
+            self.fault = Some(Unread::NotUtf8(byte));
+        }
+        let feed = self.text[before..].rfind('\n');
+        self.line = feed.map_or(self.line, |at| before + at + 1);
+    }
 }
 
 impl<R: Read> Read for Growing<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        while !self.begun {
-            let whole = self.kept.len() >= MARK.len() || !MARK.starts_with(&self.kept);
-            if whole || !self.more() {
-                self.begun = true;
-                self.passed = self.mark();
-            }
+        while self.text.is_empty() && self.more() {}
+        if !std::mem::replace(&mut self.begun, true) {
+            self.passed = self.mark();
         }
-        while self.passed >= self.valid && self.more() {}
+        while self.passed >= self.text.len() && self.more() {}
         if self.fault.is_some() {
             return Err(io::Error::other("not text"));
         }
-        let rest = &self.kept[self.passed..self.valid];
+        let rest = &self.text.as_bytes()[self.passed..];
         let length = rest.len().min(buffer.len());
         buffer[..length].copy_from_slice(&rest[..length]);
         self.passed += length;
