@@ -4,8 +4,9 @@
     scripts/instructions.py --program P            fail if a tick costs more than in the table
     scripts/instructions.py --program P --update   write a new table
 
-P is the program of an optimised build. Its rows, of the class `loop`, are ticks of `palpate run` on the simulated
-device: loop, safety, device and renderer. Without P they are left out.
+P is the program of an optimised build. Its rows are ticks of `palpate run` on the simulated device (class `loop`:
+loop, safety, device and renderer), rows of a table that `palpate render` reads and evaluates, and ticks of a recording
+that `palpate info` reads. Without P they are left out.
 
 Valgrind counts, so the numbers do not depend on the machine's speed or load; they do depend on the
 compiler and its target. A count may exceed its row by 5 % and 5 instructions.
@@ -13,7 +14,9 @@ compiler and its target. A count may exceed its row by 5 % and 5 instructions.
 
 import argparse
 import csv
+import functools
 import json
+import math
 import os
 import pathlib
 import re
@@ -23,9 +26,11 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 TABLE = ROOT / "crates/palpate-core/benches/instructions.csv"
-# Methods and durations [s] of the runs of the loop.
+# Classes that are commands of the program, and the numbers of ticks or rows of their two runs.
+COMMANDS = ["loop", "render", "info"]
+TICKS = [1000, 5000]
+# Methods of the loop.
 LOOP_METHODS = ["basic", "hfcr", "coupled"]
-LOOP_SECONDS = [1, 3]
 
 
 def build():
@@ -67,32 +72,56 @@ def count(program):
     return counts
 
 
-def count_loop(program):
-    """Runs `palpate run` in simulated time under callgrind: {(method, "loop"): instructions per tick}."""
-    counts = {}
-    for method in LOOP_METHODS:
-        totals = []
-        for seconds in LOOP_SECONDS:
-            command = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", program, "run"]
-            command += ["experiments/wall.toml", "--method", method, "--fast", "--duration", str(seconds)]
-            run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-            if run.returncode != 0:
-                sys.exit(run.stderr)
-            totals.append(int(re.search(r"Collected : (\d+)", run.stderr)[1]))
-        # The difference excludes start and end. The scene has 1000 ticks a second.
-        once, twice = LOOP_SECONDS
-        counts[method, "loop"] = (totals[1] - totals[0]) / (1000 * (twice - once))
-    return counts
+def instructions_of(*command):
+    """Runs a command under callgrind and returns its number of instructions."""
+    whole = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", *map(str, command)]
+    run = subprocess.run(whole, cwd=ROOT, capture_output=True, text=True)
+    if run.returncode != 0:
+        sys.exit(run.stderr)
+    return int(re.search(r"Collected : (\d+)", run.stderr)[1])
+
+
+def per_tick(command):
+    """Returns the instructions per tick of a command, a function of the number of ticks: without start and end."""
+    few, many = TICKS
+    return (instructions_of(*command(many)) - instructions_of(*command(few))) / (many - few)
+
+
+def count_commands(program):
+    """Counts the instructions of commands of the program: {(method, class): instructions per tick or row}."""
+
+    def run(method, ticks, *more):
+        scene = ["run", "experiments/wall.toml", "--method", method]
+        return [program, *scene, "--fast", "--duration", ticks / 1000, *more]
+
+    with tempfile.TemporaryDirectory() as folder:
+
+        def table(ticks):
+            path = pathlib.Path(folder) / f"{ticks}.csv"
+            rows = (f"{i / 1000},{0.01 * math.sin(0.01 * i)}\n" for i in range(ticks))
+            path.write_text("t_s,position_m\n" + "".join(rows))
+            contact = ["--stiffness", 1000, "--mass", 0.1, "--period", 0.001, "--method", "basic"]
+            return [program, "render", path, *contact]
+
+        def recording(ticks):
+            path = pathlib.Path(folder) / f"{ticks}.mcap"
+            made = run("basic", ticks, "--record", path)
+            subprocess.run(list(map(str, made)), cwd=ROOT, check=True, capture_output=True)
+            return [program, "info", path]
+
+        loops = {(name, "loop"): functools.partial(run, name) for name in LOOP_METHODS}
+        commands = {**loops, ("basic", "render"): table, ("basic", "info"): recording}
+        return {name: per_tick(command) for name, command in commands.items()}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--program", help="program of an optimised build, for the ticks of a loop")
+    parser.add_argument("--program", help="program of an optimised build")
     parser.add_argument("--update", action="store_true", help="write a new table")
     arguments = parser.parse_args()
     counts = count(build())
     if arguments.program:
-        counts |= count_loop(arguments.program)
+        counts |= count_commands(arguments.program)
     elif arguments.update:
         parser.error("a new table needs --program")
 
@@ -107,8 +136,8 @@ def main():
         table = {(r["method"], r["class"]): float(r["instructions_per_tick"]) for r in rows}
 
     if not arguments.program:
-        print("without --program: no row of a loop")
-        table = {name: value for name, value in table.items() if name[1] != "loop"}
+        print("without --program: no rows of its commands")
+        table = {name: value for name, value in table.items() if name[1] not in COMMANDS}
     failures = [f"{name} is no longer measured" for name in table.keys() - counts.keys()]
     print(f"{'instructions per tick':28}{'now':>8}{'table':>8}")
     for name, value in counts.items():
