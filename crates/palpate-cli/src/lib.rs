@@ -28,6 +28,7 @@ mod setup;
 mod values;
 mod worlds;
 
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches};
@@ -37,8 +38,14 @@ use command_line::{Arguments, Command};
 /// Runs the command in the arguments of this process. Returns its exit code.
 #[must_use]
 pub fn run() -> ExitCode {
-    let given = Arguments::from_arg_matches(&command_line().get_matches());
-    let given = given.unwrap_or_else(|error| error.format(&mut command_line()).exit());
+    let given = command_line()
+        .try_get_matches()
+        .and_then(|matches| Arguments::from_arg_matches(&matches))
+        .map_err(|error| error.format(&mut command_line()));
+    let given = match given {
+        Ok(given) => given,
+        Err(error) => return print(&error),
+    };
     let outcome = match given.command {
         Command::Render(arguments) => commands::render::run(&arguments),
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
@@ -67,6 +74,14 @@ pub fn run() -> ExitCode {
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+/// Prints the help, the version or an error of the command line. Returns its exit code.
+fn print(error: &clap::Error) -> ExitCode {
+    match results::written(error.print().and_then(|()| io::stdout().flush())) {
+        Ok(()) => ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2)),
         Err(failure) => failure.report(),
     }
 }

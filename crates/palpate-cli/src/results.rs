@@ -62,7 +62,7 @@ pub fn deliver(
         None => {}
         Some(_) if to_standard_output => {
             let mut buffer = io::BufWriter::new(io::stdout().lock());
-            finish(
+            written(
                 run_file::write(&mut buffer, metadata, runs)
                     .map_err(io::Error::from)
                     .and_then(|()| buffer.flush()),
@@ -110,10 +110,11 @@ pub fn print_report(
 
 /// Prints to standard output, [`printable`]; a reader that has exited is not a failure.
 pub fn print(text: &str) -> Result<(), Failure> {
-    finish(io::stdout().lock().write_all(printable(text).as_bytes()))
+    written(io::stdout().lock().write_all(printable(text).as_bytes()))
 }
 
-fn finish(result: io::Result<()>) -> Result<(), Failure> {
+/// Converts the result of writing to standard output; a reader that has exited is not a failure.
+pub fn written(result: io::Result<()>) -> Result<(), Failure> {
     match result {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::System(format!(
             "standard output cannot be written: {error}"

@@ -11,7 +11,7 @@ use crate::arguments::Overwriting;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::recorded::{open, whole_or_said};
-use crate::results::{STANDARD_OUTPUT, print};
+use crate::results::{STANDARD_OUTPUT, print, written};
 use palpate_study::text::counted;
 
 /// Arguments of `convert`.
@@ -125,13 +125,7 @@ impl OtherTables {
 /// Writes the ticks to standard output, and names the omitted tables of the recording at `path`.
 fn write_to_standard_output(recording: &Recording, to: Format, path: &Path) -> Result<(), Failure> {
     let mut output = BufWriter::new(io::stdout().lock());
-    let written = write(recording, to, &mut output).and_then(|()| output.flush());
-    match written {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            return Err(Failure::System(format!("standard output: {error}")));
-        }
-        _ => {}
-    }
+    written(write(recording, to, &mut output).and_then(|()| output.flush()))?;
     if recording.has_bodies {
         crate::failure::tell(format_args!(
             "{}: world bodies omitted; with --out FILE, a file beside it contains them",

@@ -26,7 +26,16 @@ pub fn open(path: &Path) -> Result<Recording, Failure> {
             };
             Failure::System(format!("{error}{unfinished}"))
         }
-        RecordingError::Invalid { .. } => Failure::input(error),
+        RecordingError::Invalid { .. } => {
+            let other = match path.extension().and_then(std::ffi::OsStr::to_str) {
+                Some("toml") => {
+                    "; a .toml file is a scene, for `palpate simulate` or `palpate run`"
+                }
+                Some("csv") => "; a .csv file is a table, for `palpate render`",
+                _ => "",
+            };
+            Failure::input(format_args!("{error}{other}"))
+        }
     })
 }
 

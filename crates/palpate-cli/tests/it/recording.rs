@@ -1,6 +1,6 @@
 //! `palpate info`, `convert` and `replay` on recordings.
 
-use crate::common::{Folder, number, of_method, parse};
+use crate::common::{Folder, experiment_text, number, of_method, parse};
 use crate::recordings::{append, loop_of, record, row, write};
 use palpate_record::recording::{LoopCount, RecordingMetadata, RecordingWriter};
 use palpate_rt::{LoopEvent, Note};
@@ -394,6 +394,12 @@ fn ticks_without_a_position_are_passed_over_and_counted() {
 fn what_cannot_be_read_or_replayed_is_refused() {
     let folder = Folder::new();
     folder.write("other.mcap", "t_s,position_m\n0,0\n");
+    folder.write("scene.toml", experiment_text("wall"));
+    folder.fail(
+        "replay scene.toml",
+        3,
+        &["a .toml file is a scene, for `palpate simulate` or `palpate run`"],
+    );
     for command in ["info", "convert", "replay"] {
         folder.fail(
             &format!("{command} other.mcap"),

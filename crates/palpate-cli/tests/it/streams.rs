@@ -62,3 +62,22 @@ fn the_reader_of_standard_output_may_leave() {
     assert_eq!(output.status.code(), Some(0), "{stderr}");
     assert!(!stderr.contains("panicked"), "{stderr}");
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_is_a_failure_of_help_too() {
+    for arguments in ["--help", "simulate --help", "--version", "completions bash"] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full");
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_palpate"))
+            .args(arguments.split_whitespace())
+            .stdout(full.unwrap())
+            .output()
+            .unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments}: {said}");
+        assert!(
+            said.contains("standard output cannot be written: No space left"),
+            "{arguments}: {said}"
+        );
+    }
+}

@@ -96,6 +96,16 @@ pub enum TraceFault {
         /// Remedy, in terms of the caller's interface.
         way: Way,
     },
+    /// The time and a value are read from one column.
+    #[error(
+        "the column `{name}` is selected as the time and as `{value}`; select another column for one of them"
+    )]
+    TimeAsValue {
+        /// The column.
+        name: String,
+        /// The value.
+        value: String,
+    },
     /// Two sources name different units.
     #[error(
         "the unit of column `{name}` is {one} according to {says_one}, but {other} according to {says_other}{way}"

@@ -204,7 +204,18 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         }
         let others = found.split_off(1);
         let time = found.pop().flatten();
-        Ok((time.expect("the time column is required"), others))
+        let time: Column = time.expect("the time column is required");
+        let mut wanted = request.wanted.iter().zip(&others);
+        let other =
+            wanted.find(|(_, found)| found.as_ref().is_some_and(|found| found.at == time.at));
+        if let Some((wanted, _)) = other {
+            let fault = TraceFault::TimeAsValue {
+                name: time.name,
+                value: wanted.shown.clone(),
+            };
+            return Err(self.fault_in(header, Some(time.at), fault));
+        }
+        Ok((time, others))
     }
 
     /// Reads the samples of the part.

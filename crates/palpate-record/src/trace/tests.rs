@@ -209,6 +209,16 @@ fn units_that_contradict_each_other_are_refused() {
 }
 
 #[test]
+fn the_time_is_no_value() {
+    let layout = laid_out(|layout| {
+        layout.columns = Layout::parse_columns("t=t_s,x=t_s").unwrap();
+    });
+    let error = parse_as("t_s,position_m\n0,0.01\n0.001,0.02\n", &layout).unwrap_err();
+    let said = "hand.csv:1:1: the column `t_s` is selected as the time and as `position_m`; select another";
+    assert!(error.contains(said), "{error}");
+}
+
+#[test]
 fn samples_without_a_value_are_left_out_where_that_is_asked_for_and_counted() {
     let text = "t_s,position_m,note\n0,1,\n1,,a\n2,NaN,\n,5,\n3,4,\n";
     let held = parse_as(text, &laid_out(|layout| layout.skip_missing = true)).unwrap();

@@ -7,6 +7,7 @@ use palpate_rt::StopFlag;
 
 use crate::failure::{Failure, tell};
 use crate::inside;
+use crate::results::written;
 
 /// Messages for a device inside the object at the start and for an implausible motion.
 pub const MISTAKES: Mistakes = Mistakes {
@@ -62,7 +63,7 @@ fn outcome(ended: Ended) -> Result<(), Failure> {
     match ended {
         Ended::Done => Ok(()),
         Ended::Stopped(Stopped::Refused(why)) => Err(Failure::input(why)),
-        Ended::Stopped(Stopped::Unwritten(error)) => unless_broken(error),
+        Ended::Stopped(Stopped::Unwritten(error)) => written(Err(error)),
         Ended::Unread(error) => Err(Failure::System(format!(
             "standard input cannot be read: {error}"
         ))),
@@ -70,14 +71,4 @@ fn outcome(ended: Ended) -> Result<(), Failure> {
             "stopped by a signal; the last line sets the force to 0".into(),
         )),
     }
-}
-
-/// Ignores a reader that has exited.
-fn unless_broken(error: io::Error) -> Result<(), Failure> {
-    if error.kind() == io::ErrorKind::BrokenPipe {
-        return Ok(());
-    }
-    Err(Failure::System(format!(
-        "standard output cannot be written: {error}"
-    )))
 }
