@@ -1,7 +1,7 @@
 //! Ticks of runs as arrays: one record per tick.
 
 use numpy::{PyArray1, PyArrayMethods as _};
-use palpate_core::{Fault, Limited, Phase};
+use palpate_core::{Fault, Limited, Output, Phase};
 use palpate_study::sim::run::{IdealPoint, Reference, Run, Tick};
 use pyo3::prelude::*;
 
@@ -136,7 +136,12 @@ pub fn of_ideal(reference: &Reference) -> Words {
 }
 
 fn codes(tick: &Tick) -> u64 {
-    let output = &tick.output;
+    let [phase, limited, fault] = output_codes(&tick.output);
+    u64::from_ne_bytes([phase, limited, fault, 0, 0, 0, 0, 0])
+}
+
+/// Returns the codes of an output: phase, limits and fault.
+pub fn output_codes(output: &Output<f64>) -> [u8; 3] {
     let place = |index: Option<usize>| index.and_then(|index| u8::try_from(index).ok());
     let phase = place(PHASES.iter().position(|phase| *phase == output.phase));
     let bits = acted(output.limited).into_iter().enumerate();
@@ -145,8 +150,7 @@ fn codes(tick: &Tick) -> u64 {
         place(FAULTS.iter().position(|known| *known == fault)).map(|index| index + 1)
     });
     let unknown = u8::MAX;
-    let (phase, fault) = (phase.unwrap_or(unknown), fault.unwrap_or(unknown));
-    u64::from_ne_bytes([phase, limited, fault, 0, 0, 0, 0, 0])
+    [phase.unwrap_or(unknown), limited, fault.unwrap_or(unknown)]
 }
 
 /// Moves the words into a NumPy array without a copy.

@@ -17,9 +17,9 @@ use pyo3::types::PyDict;
 use crate::arrays;
 use crate::bounded;
 use crate::checked::above_zero;
+use crate::contact::safety_params;
 use crate::fields::read;
 use crate::names::refused;
-use crate::renderer::safety_params;
 use crate::world::{EffortValues, effort_values, rows};
 
 /// Shape name, its lengths, its pose in body axes, and points.

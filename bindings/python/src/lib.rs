@@ -11,6 +11,7 @@ mod card;
 mod checked;
 mod claims;
 mod columns;
+mod contact;
 mod engine;
 mod fields;
 mod figures;
@@ -23,6 +24,7 @@ mod real_time;
 mod recording;
 mod render;
 mod renderer;
+mod renderers;
 mod replay;
 mod scene;
 mod setup;
@@ -64,7 +66,9 @@ mod _palpate {
     #[pymodule_export]
     use super::render::{read_trace, render, render_figure};
     #[pymodule_export]
-    use super::renderer::Renderer;
+    use super::renderer::{Renderer, RendererState};
+    #[pymodule_export]
+    use super::renderers::{Renderers, RenderersState};
     #[pymodule_export]
     use super::replay::{replay, replay_figure};
     #[pymodule_export]
@@ -76,7 +80,7 @@ mod _palpate {
     #[pymodule_export]
     use super::suite::{run_suite, suite_names, suite_of_parts, suite_part};
     #[pymodule_export]
-    use super::world::{PyWorld, is_world};
+    use super::world::{PyWorld, PyWorldState, is_world};
     #[pymodule_export]
     use super::world_state::{world_bodies, world_contacts, world_ledger, world_tools};
     #[pymodule_export]

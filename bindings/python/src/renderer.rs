@@ -1,11 +1,6 @@
 //! `Renderer`: one contact in a loop that Python owns, sample by sample.
 
-use palpate_core::{
-    AnyMemory, AnyRenderer, Leak, LoopParams, MethodName, MethodParams as _, ObjectState, Output,
-    ParameterValue, Rendering, Sample, State,
-};
-use palpate_device::Wrench;
-use palpate_rt::safety::{self, Safety, SafetyParams};
+use palpate_core::{MethodName, MethodParams as _, ObjectState, ParameterValue, Rendering};
 use palpate_scene::SetupError;
 use palpate_scene::named_parameters::named_parameters;
 use palpate_study::sim::replay::ReplaySetup;
@@ -15,34 +10,22 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::checked::finite;
 use crate::columns::limits;
+use crate::contact::{Answer, Contact, Now};
 use crate::methods::{chosen, settings};
-use crate::names::{refused, wrong_argument, wrong_setup};
+use crate::names::{refused, wrong_setup};
 use crate::setup::{check_delay, setup};
 
 /// A renderer and its state.
 #[pyclass(subclass, module = "palpate._palpate")]
 pub struct Renderer {
-    renderer: AnyRenderer<f64>,
-    state: State<f64, AnyMemory<f64>>,
-    safety: Safety,
-    setup: ReplaySetup,
-    soft_start: f64,
+    contact: Contact,
     method: &'static str,
     method_parameters: Vec<(&'static str, ParameterValue<f64>)>,
-    last: Option<Answer>,
 }
 
-/// Result of a sample.
-struct Answer {
-    output: Output<f64>,
-    /// Force to command, after the soft start `[N]`.
-    force_on_device: f64,
-    /// Its slope `[N/s]`.
-    slope_on_device: f64,
-    softened: bool,
-    /// Whether generated energy has caused a safety stop.
-    stopped: bool,
-}
+/// State of a renderer at a sample.
+#[pyclass(frozen, module = "palpate._palpate")]
+pub struct RendererState(Now);
 
 #[pymethods]
 impl Renderer {
@@ -56,60 +39,30 @@ impl Renderer {
         settings_given: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
         let (setup, rendering) = rendering(method, parameters, settings_given)?;
-        let renderer = rendering
-            .renderer()
-            .map_err(|error| wrong_argument(&error))?;
+        let contact = Contact::new(&setup, &rendering, soft_start)?;
         Ok(Self {
-            state: renderer
-                .start(setup.object)
-                .map_err(|error| wrong_argument(&error))?,
-            safety: safety_of(&setup, soft_start)?,
             method: chosen_one(method)?.name(),
-            method_parameters: named_parameters(&rendering.params.derived(renderer.method())),
-            renderer,
-            setup,
-            soft_start,
-            last: None,
+            method_parameters: named_parameters(
+                &rendering.params.derived(contact.renderer.method()),
+            ),
+            contact,
         })
     }
 
     /// Executes one tick: returns the force on the device for a position.
     #[pyo3(signature = (position, elapsed=None, force=None))]
     fn step(&mut self, position: f64, elapsed: Option<f64>, force: Option<f64>) -> f64 {
-        let sample = Sample {
-            elapsed,
-            ..Sample::at(position).with_virtual_force(force.unwrap_or(self.setup.virtual_force))
-        };
-        let mut output = self.renderer.step(&mut self.state, sample);
-        let is_used = output.fault.is_none();
-        // The renderer has rejected the position, so the safety layer must not use it.
-        let coordinate = if is_used { position } else { 0.0 };
-        let verdict = self.safety.evaluate(&safety::Rendered {
-            elapsed,
-            position: [coordinate, 0.0, 0.0],
-            coordinate,
-            wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
-            slope: [output.slope_on_device, 0.0, 0.0],
-            created_energy: self.state.ledger().created(),
-            refused: !is_used,
-            stalled: false,
-        });
-        output.limited.force |= verdict.bounded.force;
-        output.limited.slew |= verdict.bounded.slew;
-        let [force_on_device, ..] = verdict.wrench.force;
-        // Adding 0.0 normalises -0.0, which the soft start produces.
-        let force_on_device = force_on_device + 0.0;
-        let slope_on_device = verdict.slope[0] + 0.0;
-        self.renderer
-            .report_sent_line(&mut self.state, -force_on_device, -slope_on_device);
-        self.last = Some(Answer {
-            output,
-            force_on_device,
-            slope_on_device,
-            softened: verdict.bounded.soft_start,
-            stopped: verdict.bounded.stopped,
-        });
-        force_on_device
+        self.contact.step(position, elapsed, force)
+    }
+
+    /// Returns the state at the last sample.
+    fn held_state(&self) -> RendererState {
+        RendererState(self.contact.now.clone())
+    }
+
+    /// Continues from a state of a renderer with the same parameters.
+    fn hold_state(&mut self, state: &RendererState) {
+        self.contact.now = state.0.clone();
     }
 
     /// Reports the force `[N]` and the slope `[N/s]` that were actually sent to the device for the last sample.
@@ -117,29 +70,19 @@ impl Renderer {
     fn report_sent(&mut self, force_on_device: f64, slope_on_device: f64) -> PyResult<()> {
         let force = finite("force_on_device", force_on_device, " N")?;
         let slope = finite("slope_on_device", slope_on_device, " N/s")?;
-        self.renderer
-            .report_sent_line(&mut self.state, -force, -slope);
+        self.contact.report_sent(force, slope);
         Ok(())
     }
 
     /// Moves the object at the next sample and records the energy in the ledger.
     #[pyo3(signature = (position, velocity=0.0))]
     fn teleport(&mut self, position: f64, velocity: f64) -> PyResult<()> {
-        let object = ObjectState { position, velocity };
-        self.renderer
-            .teleport(&mut self.state, object)
-            .map_err(|error| wrong_argument(&error))
+        self.contact.teleport(ObjectState { position, velocity })
     }
 
     /// Resets the state: the object at its start, no sample, an empty energy ledger.
-    fn reset(&mut self) -> PyResult<()> {
-        self.state = self
-            .renderer
-            .start(self.setup.object)
-            .map_err(|error| wrong_argument(&error))?;
-        self.safety = safety_of(&self.setup, self.soft_start)?;
-        self.last = None;
-        Ok(())
+    fn reset(&mut self) {
+        self.contact.reset();
     }
 
     /// Result of the last sample; None before the first.
@@ -151,7 +94,7 @@ impl Renderer {
             slope_on_device,
             softened,
             stopped,
-        }) = &self.last
+        }) = &self.contact.now.last
         else {
             return Ok(None);
         };
@@ -184,16 +127,16 @@ impl Renderer {
     fn ledger<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         static LEDGER: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
         static LEAK: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-        let ledger = self.state.ledger();
+        let ([stored, port, virtual_force, outside], leaks) = self.contact.ledger();
         let leak = LEAK.import(py, "palpate._values", "Leak")?;
-        let leak = |of: &Leak<f64>| leak.call1((of.last, of.accumulated, of.absolute));
+        let [original, held] = leaks.map(|of| leak.call1((of.last, of.accumulated, of.absolute)));
         LEDGER.import(py, "palpate._values", "Ledger")?.call1((
-            ledger.stored,
-            ledger.port_work,
-            ledger.virtual_force_work,
-            ledger.outside_work,
-            leak(&ledger.original_leak)?,
-            leak(&ledger.held_leak)?,
+            stored,
+            port,
+            virtual_force,
+            outside,
+            original?,
+            held?,
         ))
     }
 
@@ -251,36 +194,4 @@ pub fn rendering(
         object: setup.object,
     };
     Ok((setup, rendering))
-}
-
-/// Returns the limits of `palpate pipe`: largest force, soft-start time and generated energy.
-fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
-    let LoopParams {
-        force_limit,
-        period,
-        ..
-    } = setup.loop_params;
-    let limits = safety_params(force_limit, None, soft_start)?;
-    let known = setup.known_loop();
-    let slew_limit = known.slew_limit.unwrap_or(f64::INFINITY);
-    let safety = Safety::new(limits, period).map_err(refused)?;
-    Ok(safety.rendering(&known.actuation, slew_limit))
-}
-
-/// Returns these limits with a torque limit.
-pub fn safety_params(
-    force_limit: Option<f64>,
-    torque_limit: Option<f64>,
-    soft_start: f64,
-) -> PyResult<SafetyParams> {
-    if !(0.0..=60.0).contains(&soft_start) {
-        return Err(refused(format!(
-            "soft_start is {soft_start} s, but must be 0 to 60"
-        )));
-    }
-    Ok(SafetyParams::bounding(
-        force_limit,
-        torque_limit,
-        soft_start,
-    ))
 }

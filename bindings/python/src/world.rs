@@ -15,8 +15,8 @@ use pyo3::prelude::*;
 
 use crate::arrays;
 use crate::bounded;
+use crate::contact::safety_params;
 use crate::names::refused;
-use crate::renderer::safety_params;
 use crate::scene::messages;
 
 /// Whether the world renderer renders the scene of a text, rather than the closed form of one contact along one axis.
@@ -44,7 +44,15 @@ pub struct PyWorld {
     last: Option<Answer>,
 }
 
+/// State of a world at a sample.
+#[pyclass(frozen, name = "WorldState", module = "palpate._palpate")]
+pub struct PyWorldState {
+    bounded: BoundedWorld,
+    last: Option<Answer>,
+}
+
 /// Result of a sample.
+#[derive(Clone)]
 struct Answer {
     wrenches: Vec<Wrench>,
     slopes: Vec<Vector>,
@@ -253,6 +261,20 @@ impl PyWorld {
     fn reset(&mut self) {
         self.bounded.restart();
         self.last = None;
+    }
+
+    /// Returns the state at the last sample.
+    fn held_state(&self) -> PyWorldState {
+        PyWorldState {
+            bounded: self.bounded.clone(),
+            last: self.last.clone(),
+        }
+    }
+
+    /// Continues from a state of the same world.
+    fn hold_state(&mut self, state: &PyWorldState) {
+        self.bounded = state.bounded.clone();
+        self.last.clone_from(&state.last);
     }
 
     /// Returns the result of the last sample, or None before the first.

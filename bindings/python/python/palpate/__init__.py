@@ -10,7 +10,7 @@ This package calls the renderers and studies of the Rust library palpate and ret
     r.step(-0.001)  # position of the device [m] in, force on the device [N] out
     f = r.step(0.002)
 
-`Renderer` renders one contact along one axis. `World` renders several devices, bodies and contacts in space. `Loop`
+`Renderer` renders one contact along one axis, `Renderers` many at once. `World` renders several devices, bodies and contacts in space. `Loop`
 runs either on a device in real time. `palpate.engines` renders contacts with the bodies of other physics engines.
 
 All values are in SI units. The name of a number in an array or a report ends with its unit.
@@ -24,9 +24,11 @@ from ._palpate import __version__
 from ._recording import BODIES, DEVICES, FLAGS, RECORDED, Event, Recording, read_recording
 from ._render import Trace, read_trace, render
 from ._renderer import Renderer
+from ._renderers import OUTPUT, Renderers
 from ._replay import replay
 from ._report import FAULTS, IDEAL, LIMITS, PHASES, TICK, Fields, Report, Runs, WorldRuns
 from ._scene import Bench, Scene, compare, simulate
+from ._state import State
 from ._studies import Map, advise, claims, heights, map, suite, sweep, tune
 from ._values import Leak, Ledger, Output, Situation
 from ._world import World
@@ -52,6 +54,7 @@ __all__ = [
     "IDEAL",
     "LIMITS",
     "METHODS",
+    "OUTPUT",
     "PHASES",
     "RECORDED",
     "TICK",
@@ -82,12 +85,14 @@ __all__ = [
     "Output",
     "Recording",
     "Renderer",
+    "Renderers",
     "Report",
     "Runs",
     "Scene",
     "Setting",
     "Situation",
     "Spread",
+    "State",
     "ToolState",
     "Trace",
     "TurnState",

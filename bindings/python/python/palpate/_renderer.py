@@ -6,6 +6,7 @@ from typing import Any, ClassVar, NoReturn
 
 from . import _palpate
 from ._fixed import Fixed, FixedParameters, question_lag, question_period
+from ._state import State
 
 
 class Renderer(Fixed, _palpate.Renderer):
@@ -109,6 +110,29 @@ class Renderer(Fixed, _palpate.Renderer):
         made = super().__new__(cls, method, given, soft_start, settings)
         made.parameters = FixedParameters({"method": method, **given, "soft_start": soft_start, **settings}, cls._way)
         return made
+
+    def get_state(self) -> State:
+        """Returns the state at the last sample, for `set_state`."""
+        return State("Renderer", self.parameters, self.held_state())
+
+    def set_state(self, state: State) -> None:
+        """Continues from `state`.
+
+        Raises:
+            ValueError: The state is of a renderer with other parameters.
+        """
+        self.hold_state(state._for("Renderer", self.parameters))
+
+    def copy(self) -> Renderer:
+        """Returns an independent renderer with the same parameters in the same state."""
+        made = Renderer(**self.parameters)
+        made.hold_state(self.held_state())
+        return made
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo: Any) -> Renderer:
+        return self.copy()
 
     def __reduce__(self) -> NoReturn:
         raise TypeError(

@@ -12,6 +12,7 @@ from . import _palpate
 from ._arrays import known, numbers
 from ._fixed import Fixed, question_period
 from ._scene import Tables
+from ._state import State
 from ._world_values import (
     BodyLedger,
     BodyState,
@@ -304,6 +305,32 @@ class World(Fixed, _palpate.World):
     def to_toml(self) -> str:
         """Returns the text of the world file."""
         return self.parts()[0]
+
+    def get_state(self) -> State:
+        """Returns the state at the last sample, for `set_state`."""
+        return State("World", self._parameters(), self.held_state())
+
+    def set_state(self, state: State) -> None:
+        """Continues from `state`.
+
+        Raises:
+            ValueError: The state is of another world, or of one with another method or other limits.
+        """
+        self.hold_state(state._for("World", self._parameters()))
+
+    def copy(self) -> World:
+        """Returns an independent world in the same state."""
+        made = World._of(*self.parts(), self._made_by)
+        made.hold_state(self.held_state())
+        return made
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo: Any) -> World:
+        return self.copy()
+
+    def _parameters(self) -> dict[str, Any]:
+        return {"scene": self.to_toml(), **self._made_by}
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("a World has a state and cannot be pickled; pickle its to_toml(), and call World.parse")

@@ -14,11 +14,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays;
+use crate::contact::safety_params;
 use crate::engine::{BODY, body, wrong};
 use crate::fields::read;
 use crate::names::refused;
 use crate::real_time::heard::Heard;
-use crate::renderer::safety_params;
 
 /// Tool, capacities for models, and loop, as passed by the Python files.
 #[derive(Clone, Copy, FromPyObject)]

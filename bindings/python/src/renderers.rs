@@ -1,0 +1,191 @@
+//! `Renderers`: many contacts in a loop that Python owns, one sample of each at a time.
+
+use std::num::NonZero;
+use std::thread;
+
+use numpy::{PyArray1, PyReadonlyArray1, PyReadwriteArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::columns::{Words, array, output_codes};
+use crate::contact::{Contact, Now};
+use crate::names::refused;
+use crate::renderer::rendering;
+
+/// Least number of contacts for a thread: starting a thread costs as much as a hundred ticks.
+const PER_THREAD: usize = 256;
+
+/// Contacts with their states.
+#[pyclass(subclass, module = "palpate._palpate")]
+pub struct Renderers {
+    contacts: Vec<Contact>,
+}
+
+/// States of contacts at a sample.
+#[pyclass(frozen, module = "palpate._palpate")]
+pub struct RenderersState(Vec<Now>);
+
+/// Arguments of a contact: parameters, soft-start time and settings of the method.
+type Given<'py> = (Bound<'py, PyDict>, f64, Bound<'py, PyDict>);
+
+#[pymethods]
+impl Renderers {
+    /// Creates `count` contacts, from one row of arguments each or one for all.
+    #[new]
+    fn new(method: &Bound<'_, PyAny>, count: usize, rows: Vec<Given<'_>>) -> PyResult<Self> {
+        let each = rows
+            .iter()
+            .enumerate()
+            .map(|(place, (parameters, soft_start, settings))| {
+                let made = rendering(method, parameters, settings)
+                    .and_then(|(setup, rendering)| Contact::new(&setup, &rendering, *soft_start));
+                match made {
+                    Err(error) if rows.len() > 1 => Err(refused(format!(
+                        "row {place}: {}",
+                        error.value(method.py())
+                    ))),
+                    made => made,
+                }
+            });
+        let mut contacts: Vec<Contact> = each.collect::<PyResult<_>>()?;
+        if let [one] = &contacts[..] {
+            contacts = vec![one.clone(); count];
+        }
+        Ok(Self { contacts })
+    }
+
+    /// Executes one tick of each contact and writes the forces to `out`.
+    #[pyo3(signature = (positions, elapsed, forces, out))]
+    fn tick(
+        &mut self,
+        py: Python<'_>,
+        positions: PyReadonlyArray1<'_, f64>,
+        elapsed: Option<PyReadonlyArray1<'_, f64>>,
+        forces: Option<PyReadonlyArray1<'_, f64>>,
+        mut out: PyReadwriteArray1<'_, f64>,
+    ) -> PyResult<()> {
+        let positions = positions.as_slice()?;
+        let elapsed = elapsed
+            .as_ref()
+            .map(|elapsed| elapsed.as_slice())
+            .transpose()?;
+        let forces = forces
+            .as_ref()
+            .map(|forces| forces.as_slice())
+            .transpose()?;
+        let out = out.as_slice_mut()?;
+        let contacts = &mut self.contacts;
+        let lengths = [Some(positions), elapsed, forces, Some(&*out)];
+        if lengths
+            .into_iter()
+            .flatten()
+            .any(|of| of.len() != contacts.len())
+        {
+            return Err(refused(
+                "an array does not have one number for each contact",
+            ));
+        }
+        py.detach(|| step(contacts, positions, [elapsed, forces], out));
+        Ok(())
+    }
+
+    /// Resets all contacts, or those at which `mask` is true.
+    fn restart(&mut self, mask: Option<PyReadonlyArray1<'_, bool>>) -> PyResult<()> {
+        let mask = mask.as_ref().map(|mask| mask.as_slice()).transpose()?;
+        if mask.is_some_and(|mask| mask.len() != self.contacts.len()) {
+            return Err(refused("the mask does not have one value for each contact"));
+        }
+        for (place, contact) in self.contacts.iter_mut().enumerate() {
+            if mask.is_none_or(|mask| mask[place]) {
+                contact.reset();
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the results of the last sample: seven numbers and a word of codes for each contact. Without a sample
+    /// the numbers are NaN.
+    fn results<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u64>> {
+        let mut words = Words::with_capacity(8 * self.contacts.len());
+        for contact in &self.contacts {
+            let Some(answer) = &contact.now.last else {
+                words.extend([f64::NAN.to_bits(); 7]);
+                words.push(0);
+                continue;
+            };
+            let output = &answer.output;
+            let numbers = [
+                answer.force_on_device,
+                answer.slope_on_device,
+                output.object_position,
+                output.object_velocity,
+                output.penetration,
+                output.transition_after,
+                output.proxy_shift,
+            ];
+            words.extend(numbers.map(f64::to_bits));
+            let [phase, limited, fault] = output_codes(output);
+            let [softened, stopped] = [answer.softened, answer.stopped].map(u8::from);
+            let codes = [phase, limited, fault, softened, stopped, 0, 0, 0];
+            words.push(u64::from_ne_bytes(codes));
+        }
+        array(py, words)
+    }
+
+    /// Returns the energy generated by the held forces of each contact `[J]`.
+    fn created<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let each = self
+            .contacts
+            .iter()
+            .map(|contact| contact.ledger().1[1].accumulated);
+        PyArray1::from_vec(py, each.collect())
+    }
+
+    /// Returns the states at the last sample.
+    fn held_state(&self) -> RenderersState {
+        RenderersState(
+            self.contacts
+                .iter()
+                .map(|contact| contact.now.clone())
+                .collect(),
+        )
+    }
+
+    /// Continues from states of renderers with the same parameters.
+    fn hold_state(&mut self, state: &RenderersState) {
+        for (contact, now) in self.contacts.iter_mut().zip(&state.0) {
+            contact.now = now.clone();
+        }
+    }
+}
+
+/// Executes one tick of each contact, in several threads if there are many. `given`: times since the last samples and
+/// virtual forces, if there are any.
+fn step(contacts: &mut [Contact], positions: &[f64], given: [Option<&[f64]>; 2], out: &mut [f64]) {
+    let cores = thread::available_parallelism().map_or(1, NonZero::get);
+    let threads = cores.min(contacts.len() / PER_THREAD).max(1);
+    let size = contacts.len().div_ceil(threads).max(1);
+    let parts = contacts
+        .chunks_mut(size)
+        .zip(out.chunks_mut(size))
+        .enumerate();
+    let run = |(number, (contacts, out)): (usize, (&mut [Contact], &mut [f64]))| {
+        let first = number * size;
+        let [elapsed, forces] = given;
+        for (place, (contact, out)) in contacts.iter_mut().zip(out).enumerate() {
+            let row = first + place;
+            let [elapsed, force] = [elapsed, forces].map(|of| of.map(|of| of[row]));
+            *out = contact.step(positions[row], elapsed, force);
+        }
+    };
+    if threads == 1 {
+        parts.for_each(run);
+        return;
+    }
+    thread::scope(|scope| {
+        for part in parts {
+            let run = &run;
+            scope.spawn(move || run(part));
+        }
+    });
+}
