@@ -12,8 +12,8 @@ use crate::contact::{Contact, Now};
 use crate::names::refused;
 use crate::renderer::rendering;
 
-/// Least number of contacts for a thread: starting a thread costs as much as a hundred ticks.
-const PER_THREAD: usize = 256;
+/// Least number of contacts for a thread: starting a thread costs as much as some hundred ticks.
+const PER_THREAD: usize = 1024;
 
 /// Contacts with their states.
 #[pyclass(subclass, module = "palpate._palpate")]
@@ -165,7 +165,7 @@ fn step(contacts: &mut [Contact], positions: &[f64], given: [Option<&[f64]>; 2],
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
     let threads = cores.min(contacts.len() / PER_THREAD).max(1);
     let size = contacts.len().div_ceil(threads).max(1);
-    let parts = contacts
+    let mut parts = contacts
         .chunks_mut(size)
         .zip(out.chunks_mut(size))
         .enumerate();
@@ -178,14 +178,12 @@ fn step(contacts: &mut [Contact], positions: &[f64], given: [Option<&[f64]>; 2],
             *out = contact.step(positions[row], elapsed, force);
         }
     };
-    if threads == 1 {
-        parts.for_each(run);
-        return;
-    }
+    let own = parts.next();
     thread::scope(|scope| {
         for part in parts {
             let run = &run;
             scope.spawn(move || run(part));
         }
+        own.into_iter().for_each(&run);
     });
 }

@@ -11,7 +11,7 @@ import pytest
 
 import palpate
 
-COUNT = 1100
+COUNT = 2100
 """Enough for several threads."""
 PERIOD = 1e-3
 
@@ -45,7 +45,7 @@ def positions(step: int) -> Any:
 def test_each_contact_is_a_renderer_bit_by_bit(method: str) -> None:
     parameters = various(method)
     many = palpate.Renderers(COUNT, **parameters)
-    places = [*range(0, COUNT, 37), COUNT - 1]
+    places = [*range(0, COUNT, 70), COUNT - 1]
     alone = [of_row(parameters, place) for place in places]
     out = np.empty(COUNT)
     for step in range(150):

@@ -39,7 +39,7 @@ OUTPUT: np.dtype[np.void] = np.dtype(
 class Renderers(Fixed, _palpate.Renderers):
     """Many contacts, each with its own state, rendered by one method: an array of positions in, an array of forces out.
 
-    Each contact computes what a `Renderer` with its parameters computes, bit by bit. From 512 contacts on, a
+    Each contact computes what a `Renderer` with its parameters computes, bit by bit. From 2048 contacts on, a
     step uses several processors, without the interpreter's lock.
 
     Args:
