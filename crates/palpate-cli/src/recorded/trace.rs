@@ -29,6 +29,16 @@ pub fn how_to_cut() -> String {
     )
 }
 
+/// Rejects a recording at the place of a table.
+pub fn reject_recording(path: &Path, name: &str) -> Result<(), Failure> {
+    if path.extension().is_some_and(|it| it == "mcap") {
+        return Err(Failure::Arguments(format!(
+            "{name} is a recording: pass it to `palpate replay`, or to `--motion` of `run --device replay`"
+        )));
+    }
+    Ok(())
+}
+
 /// Reads a part of the trace at `path`, with the held force if the table has it.
 pub fn read_trace(
     path: &Path,
@@ -36,14 +46,7 @@ pub fn read_trace(
     part: &Part,
     flags: &TraceFlags,
 ) -> Result<HeldTrace, Failure> {
-    if path
-        .extension()
-        .is_some_and(|extension| extension == "mcap")
-    {
-        return Err(Failure::Arguments(format!(
-            "{name} is a recording: pass it to `palpate replay`, or to `--motion` of `run --device replay`"
-        )));
-    }
+    reject_recording(path, name)?;
     let layout = flags.layout();
     let read = if path == Path::new(STANDARD_INPUT) {
         trace::read_part(io::stdin().lock(), name, part, &layout)

@@ -271,11 +271,24 @@ fn a_scene_that_flags_make_impossible_is_not_blamed_on_the_file() {
 #[test]
 fn a_recording_in_place_of_a_scene_is_said_to_be_one() {
     let folder = Folder::new();
-    for file in ["motion.csv", "motion.MCAP"] {
+    for (file, what) in [
+        ("motion.csv", ".csv is a table, for `palpate render`"),
+        ("motion.MCAP", ".mcap is a recording, for `palpate replay`"),
+    ] {
         folder.write(file, "t_s,position_m\n0,0\n");
-        let words = "a scene is a TOML file; .";
-        folder.fail(&format!("simulate {file}"), 2, &[words, "is a recording"]);
+        let words = format!("a scene is a TOML file; {what}");
+        folder.fail(&format!("simulate {file}"), 2, &[&words]);
     }
+    folder.fail(
+        "render motion.mcap",
+        2,
+        &["is a recording: pass it to `palpate replay`"],
+    );
+    folder.fail(
+        "render wall.toml",
+        2,
+        &["a .toml file is a scene, for `palpate simulate` or `palpate run`"],
+    );
 }
 
 #[cfg(unix)]

@@ -354,7 +354,9 @@ fn what_a_guard_held_back_is_counted() {
     assert!(of("coupled, guarded", "limited_samples_percent") > 0.0);
     let table = folder.succeed(suite);
     assert!(table.contains("limited plants"), "{table}");
-    let plain = folder.succeed("suite --plants 1 --method hfcr");
+    let plain = folder.succeed("suite --plants 1 --method hfcr --plot one.svg");
+    let figure = std::fs::read_to_string(folder.path("one.svg")).unwrap();
+    assert!(figure.contains(">1 random plant,"), "{figure}");
     assert!(!plain.contains("limited plants"), "{plain}");
 }
 

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use palpate_study::suite::{Column, Score, Set};
+use palpate_study::text::counted;
 
 /// Returns the role of a column: the role of its method if all columns are methods with their defaults.
 fn role(columns: &[Column], number: usize) -> Role {
@@ -68,7 +69,7 @@ pub fn suite(
     };
     Figure {
         title: finding(set, columns, drawn, scores),
-        subtitle: format!("{} random plants{of_set}, {of_seeds}", trials(scores, 0, 0).count()),
+        subtitle: format!("{}{of_set}, {of_seeds}", counted(trials(scores, 0, 0).count(), "random plant")),
         footnote: Some(
             "Share of the plants on which E, the error of the mean force of each period, is at most this large: \
              further left is better. Errors above 1000 % are not drawn."

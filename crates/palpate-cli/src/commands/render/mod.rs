@@ -19,7 +19,7 @@ use crate::arguments::{RenderArguments, ReplayKind};
 use crate::failure::{Failure, tell};
 use crate::inside;
 use crate::progress::Progress;
-use crate::recorded::trace::{STANDARD_INPUT, how_to_cut, read_trace, tell_gap};
+use crate::recorded::trace::{STANDARD_INPUT, how_to_cut, read_trace, reject_recording, tell_gap};
 use crate::results::deliver;
 use crate::setup::{check_contact, wrong_on_bench, wrong_setup};
 use palpate_plot::RunsFigure;
@@ -30,7 +30,8 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     if let Some(input) = &arguments.input {
         return world::run(arguments, input);
     }
-    reject_world(&arguments.trace)?;
+    reject_recording(&arguments.trace, &name(&arguments.trace))?;
+    reject_scene(&arguments.trace)?;
     let flags = &arguments.flags;
     let methods = flags.methods(MethodName::default());
     flags.check_settings(&methods)?;
@@ -91,12 +92,12 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     )
 }
 
-/// Rejects a world file at the place of a table of positions.
-fn reject_world(trace: &Path) -> Result<(), Failure> {
+/// Rejects a scene at the place of a table of positions.
+fn reject_scene(trace: &Path) -> Result<(), Failure> {
     if trace.extension().is_some_and(|it| it == "toml") {
         return Err(Failure::Arguments(format!(
-            "{}: render requires a table of positions; for a world, pass it with --input RECORDING.csv, with the \
-             columns t,x,y,z, or others with --columns",
+            "{}: a .toml file is a scene, for `palpate simulate` or `palpate run`; render requires a table of positions; \
+             for a world, pass it with --input RECORDING.csv, with the columns t,x,y,z, or others with --columns",
             trace.display()
         )));
     }

@@ -155,9 +155,14 @@ pub(super) fn read_text(path: &Path) -> Result<String, Failure> {
     let name = path.display().to_string();
     let ending = path.extension().and_then(|ending| ending.to_str());
     let ending = ending.map(str::to_ascii_lowercase).unwrap_or_default();
-    if ["csv", "mcap"].contains(&ending.as_str()) {
+    let other = match ending.as_str() {
+        "csv" => Some("a table, for `palpate render`"),
+        "mcap" => Some("a recording, for `palpate replay`, `info` or `convert`"),
+        _ => None,
+    };
+    if let Some(other) = other {
         return Err(Failure::Arguments(format!(
-            "{name}: a scene is a TOML file; .{ending} is a recording, for `palpate render` or `palpate replay`"
+            "{name}: a scene is a TOML file; .{ending} is {other}"
         )));
     }
     let bytes = SCENE
