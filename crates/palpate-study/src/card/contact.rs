@@ -4,13 +4,13 @@ use super::file_name;
 use crate::sim::closed_loop::Bench;
 use crate::sim::replay::{Replay, ReplayError, ReplaySetup};
 use crate::sim::run::{Reference, Run};
-use palpate_record::recording::{Flags, Recording, Row};
+use palpate_record::recording::{Flags, Recording};
 use palpate_scene::method::MethodName;
 use palpate_scene::{ContactFile, Model, Scene};
 use serde::Serialize;
 
 use super::device::DeviceCard;
-use super::ticks::{Ticks, is_seen};
+use super::ticks::{OneContact, Ticks, is_seen};
 use crate::recording::scene_of;
 use crate::text::digits;
 
@@ -101,7 +101,7 @@ impl ContactCard {
     fn on_motion(
         recording: &Recording,
         file: &ContactFile,
-        part: &[Row],
+        part: &[OneContact],
     ) -> Result<Self, ReplayError> {
         let scene = &file.scene;
         let mut setup = ReplaySetup::of_scene(scene);
@@ -295,8 +295,8 @@ fn duration(mass: f64, stiffness: f64, hand: f64, period: f64) -> f64 {
 
 /// Returns the contact with the strongest sent force, with a margin before and after it. It only contains ticks with
 /// a device position and with the parameters of the metadata.
-fn strongest(ticks: &[Row], period: f64) -> Option<&[Row]> {
-    let whole = |row: &Row| is_seen(row) && row.tick.generation == 0;
+fn strongest(ticks: &[OneContact], period: f64) -> Option<&[OneContact]> {
+    let whole = |row: &OneContact| is_seen(row) && row.tick.generation == 0;
     let mut best: Option<(f64, usize, usize)> = None;
     let mut at = 0;
     while at < ticks.len() {
@@ -345,7 +345,7 @@ mod tests {
 
     #[test]
     fn the_strongest_contact_is_taken_with_its_margins_and_nothing_unseen() {
-        let tick = |i: u32, force: f64| Row {
+        let tick = |i: u32, force: f64| OneContact {
             tick: Tick {
                 time: 1e-3 * f64::from(i),
                 generation: 0,
@@ -357,17 +357,16 @@ mod tests {
                 force_on_device: force,
                 ..ContactTick::UNKNOWN
             },
-            ..Row::UNKNOWN
         };
         let force = |i| match i {
             10..20 => -1.0,
             40..60 => -3.0,
             _ => 0.0,
         };
-        let mut ticks: Vec<Row> = (0..100).map(|i| tick(i, force(i))).collect();
-        let span = |ticks: &[Row]| {
+        let mut ticks: Vec<OneContact> = (0..100).map(|i| tick(i, force(i))).collect();
+        let span = |ticks: &[OneContact]| {
             let part = strongest(ticks, 1e-3).unwrap();
-            let at = |row: &Row| (1e3 * row.tick.time).round();
+            let at = |row: &OneContact| (1e3 * row.tick.time).round();
             (at(&part[0]), at(&part[part.len() - 1]))
         };
         assert_eq!(span(&ticks), (35.0, 64.0));

@@ -1,11 +1,18 @@
 //! Ticks of a recording for a device report.
 
-use palpate_record::recording::{ContactTick, Entry, Flags, Recording, RecordingError, Row};
+use palpate_record::recording::{ContactTick, Entry, Flags, Recording, RecordingError, Tick};
+
+/// A tick and its first contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OneContact {
+    pub tick: Tick,
+    pub contact: ContactTick,
+}
 
 /// The ticks of a recording, read once, each with its first contact.
 #[derive(Debug, Default)]
 pub(super) struct Ticks {
-    pub all: Vec<Row>,
+    pub all: Vec<OneContact>,
     pub missed_deadlines: u64,
     /// Ticks without a position of the device.
     pub unseen: u64,
@@ -22,11 +29,7 @@ impl Ticks {
         for entry in recording.entries()? {
             if let Entry::Tick(tick, contacts, _, _) = entry? {
                 let contact = contacts.first().copied().unwrap_or(ContactTick::UNKNOWN);
-                let row = Row {
-                    tick,
-                    contact,
-                    ..Row::UNKNOWN
-                };
+                let row = OneContact { tick, contact };
                 let count = |flag| u64::from(tick.flags.has(flag));
                 ticks.missed_deadlines += count(Flags::MISSED_DEADLINE);
                 ticks.limited += count(Flags::SAFETY_LIMITED);
@@ -40,7 +43,7 @@ impl Ticks {
 }
 
 /// Whether the tick has a position that the renderer accepted.
-pub(super) fn is_seen(row: &Row) -> bool {
+pub(super) fn is_seen(row: &OneContact) -> bool {
     row.contact.device_position.is_finite()
         && !row.tick.flags.has(Flags::DEVICE_FAULT)
         && !row.tick.flags.has(Flags::FAULT)

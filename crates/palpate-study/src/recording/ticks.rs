@@ -54,7 +54,7 @@ pub enum TicksError {
 /// The ticks of a recording, each with its one contact.
 #[derive(Clone, Debug, Default)]
 pub struct Ticks {
-    all: Vec<Row>,
+    all: Vec<Tick>,
     /// Leak at the first position `[J]`.
     leak_before: Option<f64>,
     /// Curves over the ticks with a device position.
@@ -63,6 +63,40 @@ pub struct Ticks {
     pub without_position: u64,
     /// Strongest sent force `[N]`.
     pub peak_force: f64,
+}
+
+/// Data of a tick that a replay needs: a recording may have millions of ticks.
+#[derive(Clone, Copy, Debug)]
+struct Tick {
+    sequence: u64,
+    /// `[s]`
+    time: f64,
+    device_position: f64,
+    object_position: f64,
+    object_velocity: f64,
+    /// Sent force on the device `[N]`.
+    force_on_device: f64,
+    /// Whether the tick has a device position. If a device did not respond, the tick repeats its last position and has
+    /// the fault flag.
+    is_seen: bool,
+    /// Whether the renderer accepted this position; a rejected one is not a motion of the hand.
+    is_believed: bool,
+}
+
+impl From<Row> for Tick {
+    fn from(Row { tick, contact, .. }: Row) -> Self {
+        let is_seen = contact.device_position.is_finite() && !tick.flags.has(Flags::DEVICE_FAULT);
+        Self {
+            sequence: tick.sequence,
+            time: tick.time,
+            device_position: contact.device_position,
+            object_position: contact.object_position,
+            object_velocity: contact.object_velocity,
+            force_on_device: contact.force_on_device,
+            is_seen,
+            is_believed: is_seen && !tick.flags.has(Flags::FAULT),
+        }
+    }
 }
 
 impl Ticks {
@@ -103,27 +137,30 @@ impl Ticks {
     }
 
     fn add(&mut self, row: Row) {
-        self.all.push(row);
-        let Row { tick, contact, .. } = row;
+        let tick = Tick::from(row);
+        self.all.push(tick);
         // A sent force counts even if the tick has no position.
-        self.peak_force = self.peak_force.max(contact.force_on_device.abs());
-        if !is_seen(&row) {
+        self.peak_force = self.peak_force.max(tick.force_on_device.abs());
+        if !tick.is_seen {
             self.without_position += 1;
             return;
         }
         self.curves.time.push(tick.time);
-        self.curves.device_position.push(contact.device_position);
-        self.curves.object_position.push(contact.object_position);
-        self.curves.force_on_object.push(-contact.force_on_device);
-        let first = *self.leak_before.get_or_insert(contact.held_leak);
-        self.curves.held_leak.push(contact.held_leak - first);
+        self.curves.device_position.push(tick.device_position);
+        self.curves.object_position.push(tick.object_position);
+        self.curves.force_on_object.push(-tick.force_on_device);
+        let leak = row.contact.held_leak;
+        let first = *self.leak_before.get_or_insert(leak);
+        self.curves.held_leak.push(leak - first);
     }
 
     /// Sets the object to its state in the first tick of the replay, of the motion or of the hand.
     pub fn place_object(&self, setup: &mut ReplaySetup, is_of_hand: bool) {
-        let begins = if is_of_hand { is_believed } else { is_seen };
-        let first = self.all.iter().find(|row| begins(row));
-        if let Some(first) = first.map(|row| row.contact)
+        let begins = |tick: &&Tick| match is_of_hand {
+            true => tick.is_believed,
+            false => tick.is_seen,
+        };
+        if let Some(first) = self.all.iter().find(begins)
             && first.object_position.is_finite()
             && first.object_velocity.is_finite()
         {
@@ -145,36 +182,36 @@ impl Ticks {
         longest_gap: f64,
     ) -> Result<HeldDevice, TicksError> {
         let mut samples: Vec<Sample> = Vec::with_capacity(self.all.len());
-        let mut unseen: Vec<&Row> = Vec::new();
-        let mut first_seen: Option<&Row> = None;
-        let mut last_seen: Option<&Row> = None;
-        for row in &self.all {
-            if !is_believed(row) {
-                unseen.push(row);
+        let mut unseen: Vec<&Tick> = Vec::new();
+        let mut first_seen: Option<&Tick> = None;
+        let mut last_seen: Option<&Tick> = None;
+        for tick in &self.all {
+            if !tick.is_believed {
+                unseen.push(tick);
                 continue;
             }
             if let Some(last) = last_seen {
                 // The estimate rejects times in descending order.
-                if row.tick.time - last.tick.time > longest_gap {
+                if tick.time - last.time > longest_gap {
                     return Err(TicksError::Gap {
                         name: name.to_owned(),
-                        from: (last.tick.sequence, last.tick.time),
-                        to: (row.tick.sequence, row.tick.time),
+                        from: (last.sequence, last.time),
+                        to: (tick.sequence, tick.time),
                         longest: longest_gap,
                     });
                 }
-                bridge(&mut samples, (last, row), &unseen, period);
+                bridge(&mut samples, (last, tick), &unseen, period);
             }
             unseen.clear();
             samples.push(Sample {
-                time: row.tick.time,
-                position: row.contact.device_position,
-                sent: row.contact.force_on_device,
+                time: tick.time,
+                position: tick.device_position,
+                sent: tick.force_on_device,
             });
-            first_seen = first_seen.or(Some(row));
-            last_seen = Some(row);
+            first_seen = first_seen.or(Some(tick));
+            last_seen = Some(tick);
         }
-        let from_the_start = first_seen.is_none_or(|first| first.tick.sequence == 0);
+        let from_the_start = first_seen.is_none_or(|first| first.sequence == 0);
         let forces = acting(&samples, delay, from_the_start)
             .ok_or_else(|| TicksError::NoForce(name.to_owned()))?;
         Ok(HeldDevice {
@@ -203,47 +240,32 @@ struct Sample {
     sent: f64,
 }
 
-/// Whether a tick has a device position. If a device did not respond, the tick repeats its last position and has the
-/// fault flag.
-fn is_seen(row: &Row) -> bool {
-    row.contact.device_position.is_finite() && !row.tick.flags.has(Flags::DEVICE_FAULT)
-}
-
-/// Whether the renderer accepted the position of the tick; a rejected one is not a motion of the hand.
-fn is_believed(row: &Row) -> bool {
-    is_seen(row) && !row.tick.flags.has(Flags::FAULT)
-}
-
 /// Adds the samples between two ticks with a position: ticks without a position, and ticks lost in the recording. If
 /// the recorded times are incomplete or out of order, the samples are evenly spaced.
-fn bridge(samples: &mut Vec<Sample>, (from, to): (&Row, &Row), unseen: &[&Row], period: f64) {
-    let numbers = to.tick.sequence.saturating_sub(from.tick.sequence) as f64;
-    let rows = || std::iter::once(&from).chain(unseen).chain([&to]);
-    let in_order = rows()
-        .zip(rows().skip(1))
-        .all(|(a, b)| b.tick.time > a.tick.time);
+fn bridge(samples: &mut Vec<Sample>, (from, to): (&Tick, &Tick), unseen: &[&Tick], period: f64) {
+    let numbers = to.sequence.saturating_sub(from.sequence) as f64;
+    let ticks = || std::iter::once(&from).chain(unseen).chain([&to]);
+    let in_order = ticks().zip(ticks().skip(1)).all(|(a, b)| b.time > a.time);
     if in_order && numbers == (unseen.len() + 1) as f64 {
-        samples.extend(unseen.iter().map(|row| Sample {
-            time: row.tick.time,
+        samples.extend(unseen.iter().map(|tick| Sample {
+            time: tick.time,
             position: f64::NAN,
-            sent: row.contact.force_on_device,
+            sent: tick.force_on_device,
         }));
         return;
     }
     // Tick numbers that increase faster than the time allows are not samples.
-    let duration = to.tick.time - from.tick.time;
+    let duration = to.time - from.time;
     let most = (duration / period).ceil().max((unseen.len() + 1) as f64);
     let steps = numbers.min(most);
     let mut step = 1.0;
     while step < steps {
-        let sequence = from.tick.sequence as f64 + step;
-        let there = unseen
-            .iter()
-            .find(|row| row.tick.sequence as f64 == sequence);
+        let sequence = from.sequence as f64 + step;
+        let there = unseen.iter().find(|tick| tick.sequence as f64 == sequence);
         samples.push(Sample {
-            time: from.tick.time + duration * (step / steps),
+            time: from.time + duration * (step / steps),
             position: f64::NAN,
-            sent: there.map_or(f64::NAN, |row| row.contact.force_on_device),
+            sent: there.map_or(f64::NAN, |tick| tick.force_on_device),
         });
         step += 1.0;
     }
