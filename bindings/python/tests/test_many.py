@@ -132,6 +132,18 @@ def test_a_state_of_something_else_is_refused() -> None:
         floor().replace(method="basic", soft_start=0.0).set_state(floor().replace(method="coupled").get_state())
 
 
+def test_a_changed_array_changes_no_contact() -> None:
+    stiffness = np.array([500.0, 1000.0, 2000.0])
+    given = {**contacts().parameters, "stiffness": stiffness}
+    many, other = palpate.Renderers(3, **given), contacts()
+    stiffness[:] = 1.0
+    many.step(place(many, 1))
+    other.step(place(other, 1))
+    assert (many.copy().step(place(many, 2)) == other.step(place(other, 2))).all()
+    with pytest.raises(ValueError, match="read-only"):
+        many.parameters["stiffness"][0] = 1.0
+
+
 def test_chosen_contacts_are_reset() -> None:
     many, fresh = contacts(), contacts()
     for step in range(1, 30):

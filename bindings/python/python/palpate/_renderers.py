@@ -62,6 +62,8 @@ class Renderers(Fixed, _palpate.Renderers):
         missing = [name for name in _NEEDED if name not in parameters]
         if missing:
             raise TypeError(f"Renderers needs {' and '.join(missing)}, as Renderer does")
+        # Copies: a later change of an array changes no parameter.
+        parameters = {name: _unchanging(value) for name, value in parameters.items()}
         columns = {name: _column(name, value, int(count)) for name, value in parameters.items()}
         is_one = not any(isinstance(column, list) for column in columns.values())
         rows = [_row(columns, place) for place in range(1 if is_one else int(count))]
@@ -167,6 +169,14 @@ class Renderers(Fixed, _palpate.Renderers):
 
     def __repr__(self) -> str:
         return f"<{self._count} palpate.Renderers: {self.parameters['method']}>"
+
+
+def _unchanging(value: Any) -> Any:
+    if np.ndim(value) == 0:
+        return value
+    held = np.array(value)
+    held.flags.writeable = False
+    return held
 
 
 def _column(name: str, value: Any, count: int) -> Any:

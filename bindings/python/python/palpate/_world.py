@@ -330,7 +330,8 @@ class World(Fixed, _palpate.World):
         return self.copy()
 
     def _parameters(self) -> dict[str, Any]:
-        return {"scene": self.to_toml(), **self._made_by}
+        text, _, folder = self.parts()
+        return {"scene": text, "folder": str(folder), **self._made_by}
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("a World has a state and cannot be pickled; pickle its to_toml(), and call World.parse")
