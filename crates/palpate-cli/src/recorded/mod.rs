@@ -9,6 +9,12 @@ use palpate_study::recording::shortcomings;
 
 use crate::failure::{Failure, tell};
 
+/// Returns whether a file name has this ending, in small or capital letters.
+pub fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension()
+        .is_some_and(|it| it.eq_ignore_ascii_case(ending))
+}
+
 /// Opens a recording, complete or incomplete.
 pub fn open(path: &Path) -> Result<Recording, Failure> {
     Recording::open(path).map_err(|error| match error {
@@ -27,12 +33,12 @@ pub fn open(path: &Path) -> Result<Recording, Failure> {
             Failure::System(format!("{error}{unfinished}"))
         }
         RecordingError::Invalid { .. } => {
-            let other = match path.extension().and_then(std::ffi::OsStr::to_str) {
-                Some("toml") => {
-                    "; a .toml file is a scene, for `palpate simulate` or `palpate run`"
-                }
-                Some("csv") => "; a .csv file is a table, for `palpate render`",
-                _ => "",
+            let other = if ends_in(path, "toml") {
+                "; a .toml file is a scene, for `palpate simulate` or `palpate run`"
+            } else if ends_in(path, "csv") {
+                "; a .csv file is a table, for `palpate render`"
+            } else {
+                ""
             };
             Failure::input(format_args!("{error}{other}"))
         }

@@ -31,7 +31,7 @@ pub fn how_to_cut() -> String {
 
 /// Rejects a recording at the place of a table.
 pub fn reject_recording(path: &Path, name: &str) -> Result<(), Failure> {
-    if path.extension().is_some_and(|it| it == "mcap") {
+    if super::ends_in(path, "mcap") {
         return Err(Failure::Arguments(format!(
             "{name} is a recording: pass it to `palpate replay`, or to `--motion` of `run --device replay`"
         )));

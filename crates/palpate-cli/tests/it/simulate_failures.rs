@@ -280,7 +280,7 @@ fn a_recording_in_place_of_a_scene_is_said_to_be_one() {
         folder.fail(&format!("simulate {file}"), 2, &[&words]);
     }
     folder.fail(
-        "render motion.mcap",
+        "render motion.MCAP",
         2,
         &["is a recording: pass it to `palpate replay`"],
     );

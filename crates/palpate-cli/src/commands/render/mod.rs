@@ -19,6 +19,7 @@ use crate::arguments::{RenderArguments, ReplayKind};
 use crate::failure::{Failure, tell};
 use crate::inside;
 use crate::progress::Progress;
+use crate::recorded::ends_in;
 use crate::recorded::trace::{STANDARD_INPUT, how_to_cut, read_trace, reject_recording, tell_gap};
 use crate::results::deliver;
 use crate::setup::{check_contact, wrong_on_bench, wrong_setup};
@@ -94,7 +95,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
 
 /// Rejects a scene at the place of a table of positions.
 fn reject_scene(trace: &Path) -> Result<(), Failure> {
-    if trace.extension().is_some_and(|it| it == "toml") {
+    if ends_in(trace, "toml") {
         return Err(Failure::Arguments(format!(
             "{}: a .toml file is a scene, for `palpate simulate` or `palpate run`; render requires a table of positions; \
              for a world, pass it with --input RECORDING.csv, with the columns t,x,y,z, or others with --columns",
