@@ -8,8 +8,8 @@ use std::fmt;
 use std::ops::Range;
 
 use serde::de::{
-    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, MapAccess,
-    SeqAccess, Unexpected, VariantAccess, Visitor,
+    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Expected, IntoDeserializer,
+    MapAccess, SeqAccess, Unexpected, VariantAccess, Visitor,
 };
 use serde::forward_to_deserialize_any;
 use serde_spanned::de::is_spanned;
@@ -150,15 +150,35 @@ impl<'t> Item<'t> {
         }
     }
 
-    /// Reads what has named parts: serde would take a list of them as well.
+    /// Reads what has named parts. A list of them, which serde would take as well, is refused; the code that reads it
+    /// is thereby left out of the program.
     fn only_a_table<V: Visitor<'t>>(self, visitor: V) -> Result<V::Value, ReadError> {
-        match self.what {
+        let read = match self.table() {
+            Some(table) => visitor.visit_map(Entries::new(table)),
+            None => Err(self.is_no_table(&visitor)),
+        };
+        read.map_err(|error| error.at(&self.span))
+    }
+
+    fn is_no_table(&self, expected: &dyn Expected) -> ReadError {
+        let found = match self.what {
             What::Value(DeValue::Array(_)) => {
-                let error: ReadError = de::Error::invalid_type(Unexpected::Seq, &"a table");
-                Err(error.at(&self.span))
+                return de::Error::invalid_type(Unexpected::Seq, &"a table");
             }
-            _ => self.deserialize_any(visitor),
-        }
+            What::Value(DeValue::String(text)) => Unexpected::Str(text),
+            What::Value(DeValue::Boolean(value)) => Unexpected::Bool(*value),
+            What::Value(value) => match number(value) {
+                Some(Ok(Number::Signed(number))) => Unexpected::Signed(number),
+                Some(Ok(Number::Unsigned(number))) => Unexpected::Unsigned(number),
+                Some(Ok(Number::Float(number))) => Unexpected::Float(number),
+                Some(Err(error)) => return error,
+                None => Unexpected::Other("date"),
+            },
+            What::Name(name) => Unexpected::Str(name),
+            What::Place(place) => Unexpected::Unsigned(place as u64),
+            What::Table(_) => Unexpected::Map,
+        };
+        de::Error::invalid_type(found, expected)
     }
 
     fn table(&self) -> Option<&'t DeTable<'t>> {
@@ -277,6 +297,10 @@ impl<'t> Deserializer<'t> for Item<'t> {
         }
     }
 
+    fn deserialize_map<V: Visitor<'t>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        self.only_a_table(visitor)
+    }
+
     fn deserialize_enum<V: Visitor<'t>>(
         self,
         name: &'static str,
@@ -327,7 +351,7 @@ impl<'t> Deserializer<'t> for Item<'t> {
     forward_to_deserialize_any! {
         <V: Visitor<'t>>
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple
-        tuple_struct map identifier ignored_any
+        tuple_struct identifier ignored_any
     }
 }
 
@@ -584,6 +608,10 @@ mod tests {
             (
                 "number = 1\nshapes = [{ ball = [1] }]",
                 "[1]: invalid type: sequence, expected a table",
+            ),
+            (
+                "number = 1\nshapes = [{ ball = true }]",
+                "true: invalid type: boolean `true`, expected struct variant Shape::Ball",
             ),
         ] {
             assert_eq!(read(source).unwrap_err(), said, "{source}");
