@@ -21,3 +21,15 @@ pub fn rows<'a>(name: &str, array: &'a PyReadonlyArray2<'_, f64>) -> PyResult<Ar
         "{name} is not aligned in memory as 64-bit numbers; give numpy.require({name}, float, [\"C\", \"A\"])"
     )))
 }
+
+/// Returns the numbers of the argument called `name`, row after row.
+///
+/// # Errors
+/// Another layout than rows of native 64-bit numbers without gaps.
+pub fn in_a_row<'a>(name: &str, array: &'a PyReadonlyArray2<'_, f64>) -> PyResult<&'a [f64]> {
+    array.as_slice().map_err(|_| {
+        refused(format!(
+            "{name} is not in a row in memory; give numpy.require({name}, float, [\"C\", \"A\"])"
+        ))
+    })
+}

@@ -29,6 +29,7 @@ mod replay;
 mod scene;
 mod setup;
 mod simulate;
+mod simulate_world;
 mod studies;
 mod suite;
 mod world;
@@ -76,6 +77,8 @@ mod _palpate {
     #[pymodule_export]
     use super::simulate::{compare, simulate, simulate_figure};
     #[pymodule_export]
+    use super::simulate_world::simulate_world;
+    #[pymodule_export]
     use super::studies::{heights, sweep, tune};
     #[pymodule_export]
     use super::suite::{run_suite, suite_names, suite_of_parts, suite_part};
@@ -84,7 +87,7 @@ mod _palpate {
     #[pymodule_export]
     use super::world_state::{world_bodies, world_contacts, world_ledger, world_tools};
     #[pymodule_export]
-    use super::worlds::simulate_world;
+    use super::worlds::{Worlds, WorldsState};
 
     /// Version of the package.
     #[pymodule_export]

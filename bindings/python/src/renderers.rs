@@ -1,18 +1,16 @@
 //! `Renderers`: many contacts in a loop that Python owns, one sample of each at a time.
 
-use std::num::NonZero;
-use std::thread;
-
 use numpy::{PyArray1, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayon::prelude::*;
 
 use crate::columns::{Words, array, output_codes};
 use crate::contact::{Contact, Now};
 use crate::names::refused;
 use crate::renderer::rendering;
 
-/// Least number of contacts for a thread: starting a thread costs as much as some hundred ticks.
+/// Least number of contacts for a thread: waking a thread costs as much as some hundred ticks.
 const PER_THREAD: usize = 1024;
 
 /// Contacts with their states.
@@ -85,7 +83,12 @@ impl Renderers {
                 "an array does not have one number for each contact",
             ));
         }
-        py.detach(|| step(contacts, positions, [elapsed, forces], out));
+        let each = contacts.par_iter_mut().zip(out).enumerate();
+        let tick = |(row, (contact, out)): (usize, (&mut Contact, &mut f64))| {
+            let [elapsed, force] = [elapsed, forces].map(|of| of.map(|of| of[row]));
+            *out = contact.step(positions[row], elapsed, force);
+        };
+        py.detach(|| each.with_min_len(PER_THREAD).for_each(tick));
         Ok(())
     }
 
@@ -157,33 +160,4 @@ impl Renderers {
             contact.now = now.clone();
         }
     }
-}
-
-/// Executes one tick of each contact, in several threads if there are many. `given`: times since the last samples and
-/// virtual forces, if there are any.
-fn step(contacts: &mut [Contact], positions: &[f64], given: [Option<&[f64]>; 2], out: &mut [f64]) {
-    let cores = thread::available_parallelism().map_or(1, NonZero::get);
-    let threads = cores.min(contacts.len() / PER_THREAD).max(1);
-    let size = contacts.len().div_ceil(threads).max(1);
-    let mut parts = contacts
-        .chunks_mut(size)
-        .zip(out.chunks_mut(size))
-        .enumerate();
-    let run = |(number, (contacts, out)): (usize, (&mut [Contact], &mut [f64]))| {
-        let first = number * size;
-        let [elapsed, forces] = given;
-        for (place, (contact, out)) in contacts.iter_mut().zip(out).enumerate() {
-            let row = first + place;
-            let [elapsed, force] = [elapsed, forces].map(|of| of.map(|of| of[row]));
-            *out = contact.step(positions[row], elapsed, force);
-        }
-    };
-    let own = parts.next();
-    thread::scope(|scope| {
-        for part in parts {
-            let run = &run;
-            scope.spawn(move || run(part));
-        }
-        own.into_iter().for_each(&run);
-    });
 }

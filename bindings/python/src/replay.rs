@@ -31,7 +31,7 @@ use crate::methods::{chosen, settings};
 use crate::names::{refused, wrong_on_bench, wrong_replay};
 use crate::render::{Rendered, RenderedInPython};
 use crate::setup::{check_fact, check_hand, guard_named, side_named};
-use crate::worlds::{Evaluated, replay_world};
+use crate::simulate_world::{Evaluated, replay_world};
 
 /// Changes to the recording's scene; `None` keeps the recorded value.
 #[derive(FromPyObject)]

@@ -2,19 +2,17 @@
 
 use std::path::PathBuf;
 
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods as _};
 use palpate_device::Wrench;
 use palpate_rt::BoundedWorld;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::SceneFile;
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_world::{
-    Effort, IDENTITY, Quaternion, Sample, Tool, Vector, WorldErrors, WorldPart, WorldState,
-};
+use palpate_world::{Effort, Quaternion, Tool, Vector, WorldErrors, WorldPart, WorldState};
 use pyo3::prelude::*;
 
 use crate::arrays;
-use crate::bounded;
+use crate::bounded::{Now, Placed, Poses};
 use crate::contact::safety_params;
 use crate::names::refused;
 use crate::scene::messages;
@@ -40,27 +38,13 @@ pub struct PyWorld {
     pub force_limit: Option<f64>,
     /// Soft-start time `[s]`.
     pub soft_start: f64,
-    bounded: BoundedWorld,
-    last: Option<Answer>,
+    now: Now,
+    poses: Poses,
 }
 
 /// State of a world at a sample.
 #[pyclass(frozen, name = "WorldState", module = "palpate._palpate")]
-pub struct PyWorldState {
-    bounded: BoundedWorld,
-    last: Option<Answer>,
-}
-
-/// Result of a sample.
-#[derive(Clone)]
-struct Answer {
-    wrenches: Vec<Wrench>,
-    slopes: Vec<Vector>,
-    limited: Vec<&'static str>,
-    effort: Effort,
-    fault: Option<String>,
-    faulty: Option<String>,
-}
+pub struct PyWorldState(pub Now);
 
 /// Sub-steps, refined and unrefined ones, whether a contact is too fast, and the number of ignored triangles and points.
 pub type EffortValues = (u32, u32, u32, bool, u32);
@@ -84,7 +68,7 @@ type WorldResult<'py> = (
     Bound<'py, PyArray2<f64>>,
     Vec<&'static str>,
     EffortValues,
-    Option<String>,
+    Option<&'static str>,
     Option<String>,
 );
 
@@ -101,7 +85,12 @@ impl PyWorld {
 
     /// Returns the state of the world at the last sample.
     pub fn state(&self) -> &WorldState {
-        self.bounded.state()
+        self.now.bounded.state()
+    }
+
+    /// Returns the world at the last sample.
+    pub fn now(&self) -> &Now {
+        &self.now
     }
 
     /// Returns one row per wrench: only the force if no device gives a torque.
@@ -174,14 +163,14 @@ impl PyWorld {
         Ok(Self {
             force_limit: scene.render.force_limit,
             soft_start,
-            bounded: BoundedWorld::new(renderer, limits).map_err(refused)?,
+            now: Now::new(BoundedWorld::new(renderer, limits).map_err(refused)?),
+            poses: Poses::default(),
             name: name.unwrap_or_else(|| file.scene.title.clone()),
             is_file,
             file,
             text,
             folder,
             method,
-            last: None,
         })
     }
 
@@ -195,7 +184,6 @@ impl PyWorld {
         poses: PyReadonlyArray2<'py, f64>,
         elapsed: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let poses = arrays::rows("positions", &poses)?;
         let (devices, width) = (self.scene().world.tools.len(), self.width());
         if poses.shape() != [devices, width] {
             return Err(refused(format!(
@@ -204,51 +192,31 @@ impl PyWorld {
                 poses.shape()[1],
             )));
         }
-        let rows = poses.outer_iter();
-        let positions: Vec<Vector> = rows.map(|row| [row[0], row[1], row[2]]).collect();
-        let rows = poses.outer_iter();
-        let orientations: Vec<Quaternion> = rows
-            .map(|row| match row.len() {
-                3 => IDENTITY,
-                _ => [row[3], row[4], row[5], row[6]],
-            })
-            .collect();
-        let sample = Sample {
-            elapsed,
-            ..Sample::at(&positions).turned(&orientations)
-        };
-        let held = self.bounded.step(&sample);
-        let (fault, effort) = (held.fault, held.effort);
-        let limited = bounded::names(held.limited, held.bounded);
-        let (wrenches, slopes) = (held.wrenches.to_vec(), held.slopes.to_vec());
-        let name = |tool: usize| self.file.scene.world.tools[tool].name.clone();
-        let answer = Answer {
-            limited,
-            effort,
-            fault: fault.map(|fault| fault.fault.name().to_owned()),
-            faulty: fault.and_then(|fault| fault.tool).map(name),
-            wrenches,
-            slopes,
-        };
-        let held = self.held(py, &answer.wrenches)?;
-        self.last = Some(answer);
-        Ok(held)
+        let poses = arrays::in_a_row("positions", &poses)?;
+        self.poses.take(poses.chunks_exact(width));
+        let Self { now, poses, .. } = self;
+        now.step(poses, elapsed);
+        self.held(
+            py,
+            self.now.last.as_ref().map_or(&[], |last| &last.wrenches),
+        )
     }
 
     /// Reports the wrench that was actually sent to a device for the last sample `[N]`, `[N m]`, and the slope of its
     /// force `[N/s]`.
     fn tell_sent(&mut self, tool: usize, force: Vector, torque: Vector, slope: Vector) {
-        self.bounded
+        self.now
+            .bounded
             .report_sent(tool, Wrench { force, torque }, slope);
     }
 
     /// Whether a device gives a torque: result rows then have 6 numbers instead of 3.
-    fn gives_torque(&self) -> bool {
+    pub fn gives_torque(&self) -> bool {
         self.scene().world.tools.iter().any(Tool::feels_torque)
     }
 
     /// Returns the number of entries of a sample row: 3, or 7 if a device has six axes.
-    fn width(&self) -> usize {
+    pub fn width(&self) -> usize {
         let tools = &self.scene().world.tools;
         if tools.iter().any(|tool| tool.turns) {
             7
@@ -259,36 +227,52 @@ impl PyWorld {
 
     /// Resets the state: bodies at their start, no sample, an empty energy ledger.
     fn reset(&mut self) {
-        self.bounded.restart();
-        self.last = None;
+        self.now.reset();
+    }
+
+    /// Moves a body, by its number, to what is given of a position, an orientation, a velocity and an angular velocity.
+    fn place(
+        &mut self,
+        body: usize,
+        position: Option<Vector>,
+        orientation: Option<Quaternion>,
+        velocity: Option<Vector>,
+        angular_velocity: Option<Vector>,
+    ) -> PyResult<()> {
+        let given = Placed {
+            position,
+            orientation,
+            velocity,
+            angular_velocity,
+        };
+        let to = self.now.moved(body, &given).map_err(refused)?;
+        self.now.bounded.place(body, &to).map_err(refused)
     }
 
     /// Returns the state at the last sample.
     fn held_state(&self) -> PyWorldState {
-        PyWorldState {
-            bounded: self.bounded.clone(),
-            last: self.last.clone(),
-        }
+        PyWorldState(self.now.clone())
     }
 
     /// Continues from a state of the same world.
     fn hold_state(&mut self, state: &PyWorldState) {
-        self.bounded = state.bounded.clone();
-        self.last.clone_from(&state.last);
+        self.now = state.0.clone();
     }
 
     /// Returns the result of the last sample, or None before the first.
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Option<WorldResult<'py>>> {
-        let Some(answer) = &self.last else {
+        let Some(answer) = &self.now.last else {
             return Ok(None);
         };
+        let tools = &self.scene().world.tools;
+        let faulty = answer.fault.and_then(|fault| fault.tool);
         Ok(Some((
             self.held(py, &answer.wrenches)?,
             rows(py, &answer.slopes)?,
-            answer.limited.clone(),
+            answer.limits(),
             effort_values(answer.effort),
-            answer.fault.clone(),
-            answer.faulty.clone(),
+            answer.fault.map(|fault| fault.fault.name()),
+            faulty.map(|tool| tools[tool].name.clone()),
         )))
     }
 

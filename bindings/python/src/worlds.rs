@@ -1,201 +1,216 @@
-//! `simulate` and `replay` for worlds.
+//! `Worlds`: many worlds in a loop that Python owns, one sample of each at a time.
 
-use numpy::PyArray3;
-use palpate_record::recording::Recording;
-use palpate_scene::world::WorldScene;
-use palpate_study::device_loop::{RecordedWorld, RecordedWorldError};
-use palpate_study::recording::WorldPathError;
-use palpate_study::sim::world::{WorldBench, WorldBenchError};
-use palpate_study::world::WorldReport;
-use palpate_world::{Vector, WorldErrors, WorldRenderer};
-use pyo3::exceptions::PyTypeError;
+use numpy::{PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray3, PyReadwriteArray3};
+use palpate_world::BodyState;
 use pyo3::prelude::*;
-use pyo3::types::PyString;
+use rayon::prelude::*;
 
-use crate::figures::drawn;
-use crate::interrupt::{Stop, interruptible};
+use crate::bounded::{Now, Placed, Poses};
 use crate::names::refused;
-use crate::replay::{lacking, unread};
-use crate::world::{PyWorld, wrong};
+use crate::world::{PyWorld, PyWorldState};
 
-/// Forces of all devices over all intervals.
-type Forces<'py> = Bound<'py, PyArray3<f64>>;
-/// Report as JSON and text, and its figure; edges of the intervals; forces of each method; mean forces of the reference
-/// solution.
-pub type Evaluated<'py> = (
-    String,
-    String,
-    Option<String>,
-    Vec<f64>,
-    Vec<(String, Forces<'py>)>,
-    Forces<'py>,
-);
+/// Least number of worlds for a thread: waking a thread costs as much as some ticks.
+const PER_THREAD: usize = 8;
 
-/// Simulates a world by each method, by default by its own.
-#[pyfunction]
-pub fn simulate_world<'py>(
-    py: Python<'py>,
-    world: &Bound<'py, PyWorld>,
-    method: Option<&Bound<'py, PyAny>>,
-) -> PyResult<Evaluated<'py>> {
-    let scene = world.borrow().scene().clone();
-    let is_all = is_all(method);
-    let methods = methods(&scene, &world.borrow().method, method)?;
-    let renderers = renderers(&scene, methods).map_err(|faults| world.borrow().wrong(&faults))?;
-    let evaluated = interruptible(py, move |stop| {
-        evaluate(WorldBench::new(&scene)?, &scene, (&renderers, is_all), stop)
-    })?;
-    let evaluated =
-        evaluated.map_err(|error| refused(format!("{}: {error}", world.borrow().name)))?;
-    evaluated.into_python(py)
+/// Worlds with the same devices and bodies, each in its state.
+#[pyclass(subclass, module = "palpate._palpate")]
+pub struct Worlds {
+    worlds: Vec<Now>,
+    devices: usize,
+    /// Length of a row of a sample, and of a row of a result.
+    widths: [usize; 2],
 }
 
-/// Renders the recorded motion of a world by each method, by default by its own, and returns the result with warnings.
-pub fn replay_world<'py>(
-    py: Python<'py>,
-    recording: Recording,
-    method: Option<&Bound<'py, PyAny>>,
-) -> PyResult<(Evaluated<'py>, Vec<String>)> {
-    let name = recording.path().display().to_string();
-    let recorded = py.detach(|| RecordedWorld::new(&recording));
-    let recorded = recorded.map_err(|error| match error {
-        RecordedWorldError::Path(WorldPathError::Recording(error)) => unread(error),
-        other => refused(other),
-    })?;
-    let gaps = recorded.gaps().map(|gaps| format!("{name}: {gaps}"));
-    let RecordedWorld { file, path, .. } = recorded;
-    let scene = file.scene.led();
-    let is_all = is_all(method);
-    let methods = methods(&scene, &scene.render.method, method)?;
-    let renderers = renderers(&scene, methods).map_err(|faults| wrong(&file, true, &faults))?;
-    let (evaluated, warnings) = interruptible(py, move |stop| {
-        let mut warnings: Vec<_> = gaps.into_iter().collect();
-        warnings.extend(lacking(&recording));
-        let evaluated = WorldBench::led(&scene, path)
-            .and_then(|bench| evaluate(bench, &scene, (&renderers, is_all), stop))
-            .map_err(|error| refused(format!("{name}: {error}")))?;
-        Ok::<_, PyErr>((evaluated, warnings))
-    })??;
-    Ok((evaluated.into_python(py)?, warnings))
-}
+/// States of worlds at a sample.
+#[pyclass(frozen, module = "palpate._palpate")]
+pub struct WorldsState(Vec<Now>);
 
-/// Creates a renderer for each method, so that a wrong method is reported before the reference solution is computed.
-fn renderers(
-    scene: &WorldScene,
-    methods: Vec<String>,
-) -> Result<Vec<(String, WorldRenderer)>, WorldErrors> {
-    let named = methods.into_iter().map(|method| {
-        let renderer = scene.renderer(&method)?;
-        Ok((method, renderer))
-    });
-    named.collect()
-}
+/// Number of a world, the world, its sample and the place of its result.
+type Row<'a> = (usize, (&'a mut Now, (&'a [f64], &'a mut [f64])));
 
-/// Results of a world before their conversion to Python.
-struct OfAWorld {
-    json: String,
-    text: String,
-    /// None if it does not fit its size.
-    figure: Option<String>,
-    edges: Vec<f64>,
-    forces: Vec<(String, Vec<Vec<Vector>>)>,
-    ideal: Vec<Vec<Vector>>,
-}
-
-/// Runs each method on a bench.
-fn evaluate(
-    bench: WorldBench,
-    scene: &WorldScene,
-    (renderers, is_all): (&[(String, WorldRenderer)], bool),
-    stop: &Stop,
-) -> Result<OfAWorld, WorldBenchError> {
-    let mut runs = Vec::with_capacity(renderers.len());
-    for (method, renderer) in renderers {
-        stop.leave_if_raised();
-        runs.push(bench.run(method, renderer)?);
+#[pymethods]
+impl Worlds {
+    /// Creates worlds in the states of `each`, or `count` in that of the only one.
+    #[new]
+    fn new(each: Vec<PyRef<'_, PyWorld>>, count: usize) -> Self {
+        let (devices, widths) = match each.first() {
+            Some(world) => {
+                let width = if world.gives_torque() { 6 } else { 3 };
+                (world.scene().world.tools.len(), [world.width(), width])
+            }
+            None => (0, [3; 2]),
+        };
+        let mut worlds: Vec<Now> = each.iter().map(|world| world.now().clone()).collect();
+        if let [one] = &worlds[..] {
+            worlds = vec![one.clone(); count];
+        }
+        Self {
+            worlds,
+            devices,
+            widths,
+        }
     }
-    let mut report = WorldReport::new(scene, &bench, &runs);
-    if is_all {
-        report.all_methods(scene);
-    }
-    let grid = &bench.ideal().grid;
-    let edges = (0..=grid.intervals()).map(|edge| grid.edge(edge)).collect();
-    let ideal = bench.ideal().devices.iter().map(|device| {
-        let impulses = device.impulses.iter().enumerate();
-        let means = impulses.map(|(interval, impulse)| {
-            let duration = grid.edge(interval + 1) - grid.edge(interval);
-            impulse.map(|component| component / duration)
+
+    /// Executes one tick of each world: takes a row for each device and writes its force or wrench to `out`.
+    fn tick(
+        &mut self,
+        py: Python<'_>,
+        poses: PyReadonlyArray3<'_, f64>,
+        elapsed: Option<PyReadonlyArray1<'_, f64>>,
+        mut out: PyReadwriteArray3<'_, f64>,
+    ) -> PyResult<()> {
+        let (poses, out) = (poses.as_slice()?, out.as_slice_mut()?);
+        let elapsed = elapsed.as_ref().map(|elapsed| elapsed.as_slice());
+        let elapsed = elapsed.transpose()?;
+        let (count, [width, out_width]) = (self.worlds.len(), self.widths);
+        let sizes = [self.devices * width, self.devices * out_width];
+        let is_one_each = [poses.len(), out.len()] == sizes.map(|size| count * size);
+        if !is_one_each || elapsed.is_some_and(|elapsed| elapsed.len() != count) {
+            return Err(refused("an array does not have one entry for each world"));
+        }
+        let worlds = &mut self.worlds;
+        let rows = poses.par_chunks(sizes[0]).zip(out.par_chunks_mut(sizes[1]));
+        let each = worlds.par_iter_mut().zip(rows).enumerate();
+        let tick = |buffer: &mut Poses, (world, (now, (poses, out))): Row<'_>| {
+            buffer.take(poses.chunks_exact(width));
+            let answer = now.step(buffer, elapsed.map(|elapsed| elapsed[world]));
+            for (wrench, out) in answer.wrenches.iter().zip(out.chunks_exact_mut(out_width)) {
+                let numbers = wrench.force.iter().chain(&wrench.torque);
+                out.iter_mut()
+                    .zip(numbers)
+                    .for_each(|(out, number)| *out = *number);
+            }
+        };
+        py.detach(|| {
+            each.with_min_len(PER_THREAD)
+                .for_each_init(Poses::default, tick)
         });
-        means.collect::<Vec<Vector>>()
-    });
-    Ok(OfAWorld {
-        json: palpate_study::json(&report),
-        text: report.to_string(),
-        figure: drawn(&palpate_plot::world(scene, &bench, &runs)).ok(),
-        edges,
-        ideal: ideal.collect(),
-        forces: runs
-            .into_iter()
-            .map(|run| (run.method, run.delivered))
-            .collect(),
-    })
-}
+        Ok(())
+    }
 
-impl OfAWorld {
-    fn into_python(self, py: Python<'_>) -> PyResult<Evaluated<'_>> {
-        let forces = self.forces.into_iter();
-        let forces = forces.map(|(method, forces)| Ok((method, of_devices(py, &forces)?)));
-        let forces: PyResult<Vec<_>> = forces.collect();
-        let ideal = of_devices(py, &self.ideal)?;
-        Ok((
-            self.json,
-            self.text,
-            self.figure,
-            self.edges,
-            forces?,
-            ideal,
-        ))
+    /// Resets all worlds, or those at which `mask` is true.
+    fn restart(&mut self, mask: Option<PyReadonlyArray1<'_, bool>>) -> PyResult<()> {
+        for world in self.chosen(mask.as_ref())? {
+            self.worlds[world].reset();
+        }
+        Ok(())
+    }
+
+    /// Moves a body, by its number, in all worlds or in those at which `mask` is true. Each argument has one row of
+    /// numbers for all worlds or one for each.
+    #[pyo3(signature = (body, position, orientation, velocity, angular_velocity, mask))]
+    fn place(
+        &mut self,
+        body: usize,
+        position: Option<Vec<[f64; 3]>>,
+        orientation: Option<Vec<[f64; 4]>>,
+        velocity: Option<Vec<[f64; 3]>>,
+        angular_velocity: Option<Vec<[f64; 3]>>,
+        mask: Option<PyReadonlyArray1<'_, bool>>,
+    ) -> PyResult<()> {
+        let chosen = self.chosen(mask.as_ref())?;
+        let to = |world: usize| {
+            let given = Placed {
+                position: of_row(position.as_deref(), world),
+                orientation: of_row(orientation.as_deref(), world),
+                velocity: of_row(velocity.as_deref(), world),
+                angular_velocity: of_row(angular_velocity.as_deref(), world),
+            };
+            let moved = self.worlds[world].moved(body, &given);
+            moved.map_err(|error| refused(format!("world {world}: {error}")))
+        };
+        // No body moves if one cannot.
+        let states: Vec<BodyState> = chosen
+            .iter()
+            .map(|&world| to(world))
+            .collect::<PyResult<_>>()?;
+        for (world, to) in chosen.into_iter().zip(&states) {
+            self.worlds[world]
+                .bounded
+                .place(body, to)
+                .map_err(refused)?;
+        }
+        Ok(())
+    }
+
+    /// Returns position, orientation, velocity and angular velocity of each body in each world: 13 numbers.
+    fn bodies_now<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let of_body = |body: &BodyState| {
+            let BodyState {
+                position,
+                orientation,
+                velocity,
+                angular_velocity,
+            } = *body;
+            let parts = [&position[..], &orientation, &velocity, &angular_velocity];
+            parts.concat()
+        };
+        let of_world = |world: &Now| world.bounded.state().bodies().iter().map(of_body).collect();
+        let each: Vec<Vec<Vec<f64>>> = self.worlds.iter().map(of_world).collect();
+        Ok(PyArray3::from_vec3(py, &each)?)
+    }
+
+    /// Returns the energy generated by the held forces in each world `[J]`.
+    fn created<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let each = self
+            .worlds
+            .iter()
+            .map(|world| world.bounded.created_energy());
+        PyArray1::from_vec(py, each.collect())
+    }
+
+    /// Returns the reason for which each world has rejected the last sample, "" if there is none.
+    fn faults_now(&self) -> Vec<&'static str> {
+        let fault = |world: &Now| world.last.as_ref()?.fault.map(|fault| fault.fault.name());
+        self.worlds
+            .iter()
+            .map(|world| fault(world).unwrap_or_default())
+            .collect()
+    }
+
+    /// Returns the names of the active limits of each world.
+    fn limits_now(&self) -> Vec<Vec<&'static str>> {
+        let limits = |world: &Now| world.last.as_ref().map(|last| last.limits());
+        self.worlds
+            .iter()
+            .map(|world| limits(world).unwrap_or_default())
+            .collect()
+    }
+
+    /// Returns the state of one world.
+    fn state_of(&self, world: usize) -> PyWorldState {
+        PyWorldState(self.worlds[world].clone())
+    }
+
+    /// Returns the states at the last sample.
+    fn held_state(&self) -> WorldsState {
+        WorldsState(self.worlds.clone())
+    }
+
+    /// Continues from states of the same worlds.
+    fn hold_state(&mut self, state: &WorldsState) {
+        self.worlds.clone_from(&state.0);
     }
 }
 
-fn of_devices<'py>(py: Python<'py>, forces: &[Vec<Vector>]) -> PyResult<Forces<'py>> {
-    let of_device = |forces: &Vec<Vector>| forces.iter().map(|force| force.to_vec()).collect();
-    let forces: Vec<Vec<Vec<f64>>> = forces.iter().map(of_device).collect();
-    Ok(PyArray3::from_vec3(py, &forces)?)
+impl Worlds {
+    /// Returns the numbers of all worlds, or of those at which `mask` is true.
+    fn chosen(&self, mask: Option<&PyReadonlyArray1<'_, bool>>) -> PyResult<Vec<usize>> {
+        let mask = mask.map(|mask| mask.as_slice()).transpose()?;
+        if mask.is_some_and(|mask| mask.len() != self.worlds.len()) {
+            return Err(refused("the mask does not have one value for each world"));
+        }
+        let all = 0..self.worlds.len();
+        Ok(all
+            .filter(|&world| mask.is_none_or(|mask| mask[world]))
+            .collect())
+    }
 }
 
-/// Whether `all` selects every method for which the world has settings.
-fn is_all(given: Option<&Bound<'_, PyAny>>) -> bool {
-    let name = given.and_then(|given| given.extract::<String>().ok());
-    name.as_deref() == Some("all")
-}
-
-/// Returns the names of the given methods, by default the world's own. `all` selects every method with all its
-/// settings.
-fn methods(
-    scene: &WorldScene,
-    own: &str,
-    given: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Vec<String>> {
-    let Some(given) = given else {
-        return Ok(vec![own.to_owned()]);
-    };
-    if given.is_callable() {
-        return Err(PyTypeError::new_err(
-            "a user-defined method runs on scenes of one contact, not on worlds",
-        ));
+/// Returns the row of a world, of one for all or one for each.
+fn of_row<T: Copy>(rows: Option<&[T]>, world: usize) -> Option<T> {
+    match rows? {
+        [all] => Some(*all),
+        each => each.get(world).copied(),
     }
-    let names: Vec<String> = match given.cast::<PyString>() {
-        Ok(name) => vec![name.to_string()],
-        Err(_) => given.extract()?,
-    };
-    if names == ["all"] {
-        let all = WorldScene::METHODS.into_iter();
-        let possible = all.filter(|name| scene.method(name).is_ok());
-        return Ok(possible.map(str::to_owned).collect());
-    }
-    if names.is_empty() {
-        return Err(refused("method is empty; name a method"));
-    }
-    Ok(names)
 }

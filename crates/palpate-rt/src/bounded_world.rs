@@ -174,6 +174,8 @@ pub struct BoundedWorld {
     /// change, because a tick does not free memory.
     before: Option<(WorldRenderer, WorldState)>,
     is_compared: bool,
+    /// Whether there was no sample since the start.
+    is_at_start: bool,
     /// Wrenches that the world before the change requests.
     asked_before: Vec<Wrench>,
 }
@@ -212,6 +214,7 @@ impl BoundedWorld {
             fade: Fade::none(tools),
             before: None,
             is_compared: false,
+            is_at_start: true,
             asked_before: vec![Wrench::NONE; tools],
             state,
             renderer,
@@ -221,6 +224,7 @@ impl BoundedWorld {
     /// Performs one tick: takes a sample of all tools and returns the wrench that each device must hold. It does not
     /// allocate, lock or block. The renderer's energy ledger contains the wrenches after all limits.
     pub fn step(&mut self, sample: &Sample<'_>) -> Held<'_> {
+        self.is_at_start = false;
         let is_compared = self.is_compared && self.fade.is_settling() && self.ask_before(sample);
         let output = self.renderer.step(&mut self.state, sample);
         let (mut limited, effort, fault) = (output.limited, output.effort, output.fault);
@@ -294,6 +298,7 @@ impl BoundedWorld {
         self.wrenches.fill(Wrench::NONE);
         self.slopes.fill([0.0; 3]);
         self.fade.end();
+        self.is_at_start = true;
     }
 
     /// Returns the safety stop that holds all forces at 0, if any. [`restart`](Self::restart) ends it.
@@ -341,7 +346,8 @@ impl BoundedWorld {
     }
 
     /// Moves a body between two ticks, see [`WorldRenderer::place`]. The held forces stay for three samples and then
-    /// change over as after a [`change`](Self::change). It does not allocate.
+    /// change over as after a [`change`](Self::change). Before the first sample there is no force to change over from.
+    /// It does not allocate.
     ///
     /// # Errors
     /// An unknown body or an invalid state; nothing changes then.
@@ -349,7 +355,9 @@ impl BoundedWorld {
         self.renderer.place(&mut self.state, body, to)?;
         self.is_compared = false;
         self.safety.skip_interval();
-        self.fade.begin();
+        if !self.is_at_start {
+            self.fade.begin();
+        }
         Ok(())
     }
 

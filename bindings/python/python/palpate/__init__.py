@@ -10,8 +10,8 @@ This package calls the renderers and studies of the Rust library palpate and ret
     r.step(-0.001)  # position of the device [m] in, force on the device [N] out
     f = r.step(0.002)
 
-`Renderer` renders one contact along one axis, `Renderers` many at once. `World` renders several devices, bodies and contacts in space. `Loop`
-runs either on a device in real time. `palpate.engines` renders contacts with the bodies of other physics engines.
+`Renderer` renders one contact along one axis, `World` several devices, bodies and contacts in space; `Renderers` and
+`Worlds` render many of them at once. `Loop` runs one on a device in real time. `palpate.engines` renders contacts with the bodies of other physics engines.
 
 All values are in SI units. The name of a number in an array or a report ends with its unit.
 """
@@ -45,6 +45,7 @@ from ._world_values import (
     TurnState,
     WorldOutput,
 )
+from ._worlds import Worlds
 
 __all__ = [
     "BODIES",
@@ -99,6 +100,7 @@ __all__ = [
     "World",
     "WorldOutput",
     "WorldRuns",
+    "Worlds",
     "__version__",
     "advise",
     "calibrate",

@@ -41,6 +41,51 @@ def known(name: str, given: NDArray[np.float64]) -> NDArray[np.float64]:
     return given
 
 
+def result_array(out: NDArray[np.float64] | None, shape: tuple[int, ...], *given: Any) -> NDArray[np.float64]:
+    """Returns the array for a result: `out` if it is one, else a new one. `given`: arrays or `None`.
+
+    Raises:
+        ValueError: `out` does not fit, or shares memory with a given array.
+    """
+    if out is None:
+        return np.empty(shape)
+    result = np.asarray(out)
+    is_fit = result.dtype == np.float64 and result.dtype.isnative and result.shape == shape
+    if not (is_fit and result.flags.c_contiguous and result.flags.aligned and result.flags.writeable):
+        raise ValueError(f"out must be a writable array of the shape {shape}, of native doubles in a row")
+    if any(np.shares_memory(result, of) for of in given if of is not None):
+        raise ValueError("out shares memory with an argument, but must be another array")
+    return result
+
+
+def for_each(name: str, given: ArrayLike | None, count: int) -> NDArray[np.float64] | None:
+    """Returns an argument that is a number for all or an array with one for each as an array; `None` for `None`.
+
+    Raises:
+        ValueError: The argument has another shape.
+    """
+    if given is None:
+        return None
+    array = numbers(name, given)
+    if array.shape not in ((), (count,)):
+        raise ValueError(f"{name} has the shape {array.shape}, but must be a number or have ({count},)")
+    return np.ascontiguousarray(np.broadcast_to(array, count))
+
+
+def chosen(mask: ArrayLike | None, count: int) -> NDArray[np.bool_] | None:
+    """Returns a mask of `count` truth values as an array; `None` for `None`.
+
+    Raises:
+        ValueError: The mask has another shape or type.
+    """
+    if mask is None:
+        return None
+    array = np.asarray(mask)
+    if array.dtype != np.bool_ or array.shape != (count,):
+        raise ValueError(f"mask must have {count} truth values, one for each")
+    return np.ascontiguousarray(array)
+
+
 def row(name: str, given: ArrayLike) -> list[float]:
     """Returns the numbers of a one-dimensional argument as a list.
 

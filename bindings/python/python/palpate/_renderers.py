@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
-from ._arrays import numbers
+from ._arrays import chosen, for_each, numbers, result_array
 from ._fixed import Fixed, FixedParameters, question_lag, question_period
 from ._renderer import Renderer
 from ._report import TICK
@@ -101,32 +101,14 @@ class Renderers(Fixed, _palpate.Renderers):
         sampled = numbers("positions", positions)
         if sampled.shape != (self._count,):
             raise ValueError(f"positions has the shape {sampled.shape}, but must have ({self._count},), one for each contact")
-        given = (self._each("elapsed", elapsed), self._each("force", force))
-        result = np.empty(self._count) if out is None else np.asarray(out)
-        is_fit = result.dtype == np.float64 and result.dtype.isnative and result.shape == (self._count,)
-        if not (is_fit and result.flags.c_contiguous and result.flags.aligned and result.flags.writeable):
-            raise ValueError(f"out must be a writable array of {self._count} native doubles in a row")
-        if out is not None and any(np.shares_memory(result, of) for of in (sampled, *given) if of is not None):
-            raise ValueError("out shares memory with an argument, but must be another array")
+        given = (for_each("elapsed", elapsed, self._count), for_each("force", force, self._count))
+        result = result_array(out, (self._count,), sampled, *given)
         self.tick(sampled, *given, result)
         return result if out is None else out
 
-    def _each(self, name: str, given: ArrayLike | None) -> NDArray[np.float64] | None:
-        if given is None:
-            return None
-        array = numbers(name, given)
-        if array.shape not in ((), (self._count,)):
-            raise ValueError(f"{name} has the shape {array.shape}, but must be a number or have ({self._count},)")
-        return np.ascontiguousarray(np.broadcast_to(array, self._count))
-
     def reset(self, mask: ArrayLike | None = None) -> None:
         """Resets the contacts at which `mask` is true to their initial state; `None`: all."""
-        if mask is None:
-            return self.restart(None)
-        chosen = np.asarray(mask)
-        if chosen.dtype != np.bool_ or chosen.shape != (self._count,):
-            raise ValueError(f"mask must have {self._count} truth values, one for each contact")
-        return self.restart(np.ascontiguousarray(chosen))
+        self.restart(chosen(mask, self._count))
 
     @property
     def output(self) -> NDArray[np.void]:

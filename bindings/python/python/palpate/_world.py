@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
-from ._arrays import known, numbers
+from ._arrays import known, numbers, row
 from ._fixed import Fixed, question_period
 from ._scene import Tables
 from ._state import State
@@ -162,11 +162,11 @@ class World(Fixed, _palpate.World):
         """
         given = numbers("position", position)
         width = self.width()
-        row = "x, y, z" if width == 3 else "x, y, z, qw, qx, qy, qz"
+        named = "x, y, z" if width == 3 else "x, y, z, qw, qx, qy, qz"
         if len(self._devices) == 1:
             if given.shape != (width,) and given.shape != (1, width):
                 raise ValueError(
-                    f"position has the shape {given.shape}, but must have ({width},): {row} of {self._devices[0]}"
+                    f"position has the shape {given.shape}, but must have ({width},): {named} of {self._devices[0]}"
                 )
             held = self.tick(given.reshape(1, width), elapsed)
             return held.reshape(given.shape[:-1] + held.shape[1:])
@@ -174,9 +174,43 @@ class World(Fixed, _palpate.World):
             names = ", ".join(self._devices)
             raise ValueError(
                 f"position has the shape {given.shape}, but must have ({len(self._devices)}, {width}): "
-                f"a row of {row} for each of {names}"
+                f"a row of {named} for each of {names}"
             )
         return self.tick(given, elapsed)
+
+    def set_body(
+        self,
+        body: str,
+        position: ArrayLike | None = None,
+        orientation: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        angular_velocity: ArrayLike | None = None,
+    ) -> None:
+        """Moves a body between two samples. What is not given stays.
+
+        The devices hold their forces for three samples and then change over to the new ones without a step; before the
+        first sample there is nothing to change over from. The energy ledger has the change as work from outside.
+
+        Args:
+            body: Name of the body.
+            position: Position of the centre of mass [m].
+            orientation: Unit quaternion [w, x, y, z] from the body frame to the world frame.
+            velocity: Velocity of the centre of mass [m/s].
+            angular_velocity: Angular velocity [rad/s].
+
+        Raises:
+            ValueError: The body does not exist, a number is not finite, the quaternion has another length than 1, or a
+                fixed body is given a velocity. Nothing changes then.
+        """
+        place = self._body(body)
+        given = (("position", position, 3), ("orientation", orientation, 4), ("velocity", velocity, 3), ("angular_velocity", angular_velocity, 3))
+        self.place(place, *(_row(*each) for each in given))
+
+    def _body(self, name: str) -> int:
+        """Returns the number of a body."""
+        if name not in self._bodies:
+            raise ValueError(f"body is {name!r}, but must be one of {', '.join(self._bodies)}")
+        return self._bodies.index(name)
 
     def report_sent(self, force: ArrayLike, device: str | None = None, slope: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Reports the force that was actually sent for the last sample, if it differs from the result of `step`.
@@ -344,6 +378,15 @@ def _as_lists(tables: Mapping[str, Any]) -> dict[str, Any]:
     """Converts arrays of tables to lists, for TOML."""
     rows = ("device", "body", "contact", "joint")
     return {key: list(value) if key in rows else value for key, value in tables.items()}
+
+
+def _row(name: str, given: ArrayLike | None, width: int) -> Any:
+    if given is None:
+        return None
+    numbers = row(name, given)
+    if len(numbers) != width:
+        raise ValueError(f"{name} has {len(numbers)} numbers, but must have {width}")
+    return numbers
 
 
 def _known(numbers: list[float] | None) -> NDArray[np.float64] | None:

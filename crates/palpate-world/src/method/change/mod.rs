@@ -91,8 +91,12 @@ impl WorldRenderer {
         Ok(())
     }
 
-    /// Checks whether the body can take this state. Messages are built only for faults, because they allocate.
-    fn can_place(&self, body: usize, to: &BodyState) -> Result<(), WorldError> {
+    /// Checks whether a body can take this state.
+    ///
+    /// # Errors
+    /// Those of [`place`](Self::place).
+    // Messages are built only for faults, because they allocate.
+    pub fn can_place(&self, body: usize, to: &BodyState) -> Result<(), WorldError> {
         let place = WorldPart::Body(body);
         let Some(described) = self.world.bodies.get(body) else {
             let count = self.world.bodies.len();
