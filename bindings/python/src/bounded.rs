@@ -1,5 +1,7 @@
 //! A world with the limits of `palpate pipe` and the result of its last sample, for `World` and `Worlds`.
 
+use std::ops::Index;
+
 use palpate_device::Wrench;
 use palpate_rt::BoundedWorld;
 use palpate_rt::safety::Bounded;
@@ -40,13 +42,17 @@ pub struct Poses {
 }
 
 impl Poses {
-    /// Takes a row for each device: three coordinates, or a pose of seven.
-    pub fn take<'a>(&mut self, rows: impl Iterator<Item = &'a [f64]>) {
+    /// Takes a row for each device: three coordinates, or a pose of seven, as `width` says.
+    pub fn take<R: Index<usize, Output = f64>>(
+        &mut self,
+        rows: impl Iterator<Item = R>,
+        width: usize,
+    ) {
         self.positions.clear();
         self.orientations.clear();
         for row in rows {
             self.positions.push([row[0], row[1], row[2]]);
-            self.orientations.push(match row.len() {
+            self.orientations.push(match width {
                 3 => IDENTITY,
                 _ => [row[3], row[4], row[5], row[6]],
             });

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 
+use crate::arrays::{check_aligned, in_a_row};
 use crate::columns::{Words, array, output_codes};
 use crate::contact::{Contact, Now};
 use crate::names::refused;
@@ -62,15 +63,11 @@ impl Renderers {
         forces: Option<PyReadonlyArray1<'_, f64>>,
         mut out: PyReadwriteArray1<'_, f64>,
     ) -> PyResult<()> {
-        let positions = positions.as_slice()?;
-        let elapsed = elapsed
-            .as_ref()
-            .map(|elapsed| elapsed.as_slice())
-            .transpose()?;
-        let forces = forces
-            .as_ref()
-            .map(|forces| forces.as_slice())
-            .transpose()?;
+        let positions = in_a_row("positions", &positions)?;
+        let elapsed = elapsed.as_ref().map(|of| in_a_row("elapsed", of));
+        let forces = forces.as_ref().map(|of| in_a_row("force", of));
+        let (elapsed, forces) = (elapsed.transpose()?, forces.transpose()?);
+        check_aligned("out", &out, true)?;
         let out = out.as_slice_mut()?;
         let contacts = &mut self.contacts;
         let lengths = [Some(positions), elapsed, forces, Some(&*out)];

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods as _};
+use numpy::{PyArray2, PyReadonlyArray2};
 use palpate_device::Wrench;
 use palpate_rt::BoundedWorld;
 use palpate_rt::safety::SafetyParams;
@@ -184,6 +184,7 @@ impl PyWorld {
         poses: PyReadonlyArray2<'py, f64>,
         elapsed: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let poses = arrays::rows("positions", &poses)?;
         let (devices, width) = (self.scene().world.tools.len(), self.width());
         if poses.shape() != [devices, width] {
             return Err(refused(format!(
@@ -192,8 +193,7 @@ impl PyWorld {
                 poses.shape()[1],
             )));
         }
-        let poses = arrays::in_a_row("positions", &poses)?;
-        self.poses.take(poses.chunks_exact(width));
+        self.poses.take(poses.outer_iter(), width);
         let Self { now, poses, .. } = self;
         now.step(poses, elapsed);
         self.held(

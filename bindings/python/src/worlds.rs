@@ -1,10 +1,12 @@
 //! `Worlds`: many worlds in a loop that Python owns, one sample of each at a time.
 
+use numpy::ndarray::ArrayView1;
 use numpy::{PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray3, PyReadwriteArray3};
 use palpate_world::BodyState;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
+use crate::arrays::{check_aligned, in_a_row};
 use crate::bounded::{Now, Placed, Poses};
 use crate::names::refused;
 use crate::world::{PyWorld, PyWorldState};
@@ -32,23 +34,23 @@ type Row<'a> = (usize, (&'a mut Now, (&'a [f64], &'a mut [f64])));
 impl Worlds {
     /// Creates worlds in the states of `each`, or `count` in that of the only one.
     #[new]
-    fn new(each: Vec<PyRef<'_, PyWorld>>, count: usize) -> Self {
+    fn new(each: Vec<PyRef<'_, PyWorld>>, count: usize) -> PyResult<Self> {
         let (devices, widths) = match each.first() {
             Some(world) => {
                 let width = if world.gives_torque() { 6 } else { 3 };
                 (world.scene().world.tools.len(), [world.width(), width])
             }
-            None => (0, [3; 2]),
+            None => return Err(refused("there is no world, but at least one is needed")),
         };
         let mut worlds: Vec<Now> = each.iter().map(|world| world.now().clone()).collect();
         if let [one] = &worlds[..] {
             worlds = vec![one.clone(); count];
         }
-        Self {
+        Ok(Self {
             worlds,
             devices,
             widths,
-        }
+        })
     }
 
     /// Executes one tick of each world: takes a row for each device and writes its force or wrench to `out`.
@@ -59,9 +61,11 @@ impl Worlds {
         elapsed: Option<PyReadonlyArray1<'_, f64>>,
         mut out: PyReadwriteArray3<'_, f64>,
     ) -> PyResult<()> {
-        let (poses, out) = (poses.as_slice()?, out.as_slice_mut()?);
-        let elapsed = elapsed.as_ref().map(|elapsed| elapsed.as_slice());
+        let poses = in_a_row("positions", &poses)?;
+        let elapsed = elapsed.as_ref().map(|of| in_a_row("elapsed", of));
         let elapsed = elapsed.transpose()?;
+        check_aligned("out", &out, true)?;
+        let out = out.as_slice_mut()?;
         let (count, [width, out_width]) = (self.worlds.len(), self.widths);
         let sizes = [self.devices * width, self.devices * out_width];
         let is_one_each = [poses.len(), out.len()] == sizes.map(|size| count * size);
@@ -72,7 +76,7 @@ impl Worlds {
         let rows = poses.par_chunks(sizes[0]).zip(out.par_chunks_mut(sizes[1]));
         let each = worlds.par_iter_mut().zip(rows).enumerate();
         let tick = |buffer: &mut Poses, (world, (now, (poses, out))): Row<'_>| {
-            buffer.take(poses.chunks_exact(width));
+            buffer.take(poses.chunks_exact(width).map(ArrayView1::from), width);
             let answer = now.step(buffer, elapsed.map(|elapsed| elapsed[world]));
             for (wrench, out) in answer.wrenches.iter().zip(out.chunks_exact_mut(out_width)) {
                 let numbers = wrench.force.iter().chain(&wrench.torque);

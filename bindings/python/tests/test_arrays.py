@@ -297,6 +297,11 @@ def test_the_compiled_part_refuses_what_does_not_lie_as_numbers_do() -> None:
     for make in (unaligned, of_records):
         with pytest.raises(ValueError, match=r"positions is not aligned in memory as 64-bit numbers; give numpy.require"):
             world.tick(make(row), None)
+    many, worlds = palpate.Renderers(3, **CONTACT), palpate.Worlds(world, 1)
+    with pytest.raises(ValueError, match="positions is not aligned in memory"):
+        many.tick(unaligned(np.zeros(3)), None, None, np.zeros(3))
+    with pytest.raises(ValueError, match="out is not aligned in memory"):
+        worlds.tick(row[None], None, np.zeros(25, np.uint8)[1:].view(float).reshape(1, 1, 3))
 
 
 def numbers_of_numpy() -> Iterator[Any]:

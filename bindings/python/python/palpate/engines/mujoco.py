@@ -166,6 +166,8 @@ class Contact(EngineContact):
     _give_back: weakref.finalize[Any, Any]
     """Enables the collisions of the tools in the engine again."""
     _numbers: list[int]
+    _moving: list[int]
+    """Places of the bodies that can move."""
     _geoms: list[int]
     """Geoms of tools and bodies."""
     _made_of: list[NDArray[np.float64]]
@@ -185,9 +187,9 @@ class Contact(EngineContact):
         self._pushes = False
         self._time = float(self.data.time)
         self._rows = np.zeros((count, BODY_COLUMNS))
-        self._jacobian = np.zeros((6, model.nv))
-        self._rate = np.zeros((6, model.nv))
-        self._answers = np.zeros((6, model.nv))
+        bodies = enumerate(self._numbers)
+        self._moving = [place for place, number in bodies if model.nv > 0 and model.body_weldid[number] != 0]
+        self._jacobians, self._rates, self._answers = np.zeros((3, len(self._moving), 6, model.nv))
         self._implicit = _Implicit(model, self.data)
 
     def _now_made_of(self) -> list[NDArray[np.float64]]:
@@ -255,9 +257,7 @@ class Contact(EngineContact):
         # Apply the last wrenches, so that the engine's other contacts are loaded.
         self.data.xfrc_applied[self._numbers] = self._theirs + self._applied
         mujoco.mj_forward(self.model, self.data)
-        self._implicit.look()
-        for place, number in enumerate(self._numbers):
-            self._look(place, number)
+        self._look()
         if self.data.time < self._time:
             # The engine reset itself within the period, as it does after a non-finite state.
             self._rows[:] = np.nan
@@ -299,23 +299,26 @@ class Contact(EngineContact):
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _look(self, place: int, number: int) -> None:
-        """Writes state and mobility of a body to its row."""
-        model, data = self.model, self.data
-        row = self._rows[place]
-        row[7:] = 0.0
-        row[0:3] = data.xipos[number]
-        row[3:7] = data.xquat[number]
-        if number == 0 or model.nv == 0 or model.body_weldid[number] == 0:
+    def _look(self) -> None:
+        """Writes states and mobilities of the bodies to their rows."""
+        model, data, rows = self.model, self.data, self._rows
+        rows[:, 0:3] = data.xipos[self._numbers]
+        rows[:, 3:7] = data.xquat[self._numbers]
+        rows[:, 7:] = 0.0
+        moving, jacobians, rates, answers = self._moving, self._jacobians, self._rates, self._answers
+        if not moving:
             return
-        jacobian, rate, answers = self._jacobian, self._rate, self._answers
-        mujoco.mj_jacBodyCom(model, data, jacobian[:3], jacobian[3:], number)
-        mujoco.mj_jacDot(model, data, rate[:3], rate[3:], data.xipos[number], number)
-        self._implicit.solve(answers, jacobian)
-        mobility = jacobian @ answers.T
-        row[7:13] = jacobian @ data.qvel
-        row[13:19] = jacobian @ self._implicit.gained + rate @ data.qvel - mobility @ self._applied[place]
-        row[19:55] = mobility.ravel()
+        for place, jacobian, rate in zip(moving, jacobians, rates):
+            number = self._numbers[place]
+            mujoco.mj_jacBodyCom(model, data, jacobian[:3], jacobian[3:], number)
+            mujoco.mj_jacDot(model, data, rate[:3], rate[3:], data.xipos[number], number)
+        self._implicit.look()
+        self._implicit.solve(answers.reshape(-1, model.nv), jacobians.reshape(-1, model.nv))
+        mobilities = jacobians @ answers.transpose(0, 2, 1)
+        accelerations = jacobians @ self._implicit.gained + rates @ data.qvel
+        rows[moving, 7:13] = jacobians @ data.qvel
+        rows[moving, 13:19] = accelerations - np.einsum("bij,bj->bi", mobilities, self._applied[moving])
+        rows[moving, 19:55] = mobilities.reshape(-1, 36)
 
 
 class _Implicit:
