@@ -4,7 +4,7 @@ mod interval;
 mod line;
 mod saturation;
 
-use interval::{Interval, Moved, ProxyState, rule};
+use interval::{Interval, Moved, ProxyState, repaid, rule};
 use saturation::Saturation;
 
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
@@ -203,17 +203,6 @@ impl<S: Scalar> CoupledMemory<S> {
     }
 }
 
-/// Part of the residual impulse that the next force corrects. A correction of the whole residual turns the noise of one
-/// estimate into a force of the opposite sign in the next interval. On random plants a half has the smallest error,
-/// with and without delay.
-const REPAID: f64 = 0.5;
-
-/// A wall's proxy may be faster than the device. The next force corrects that difference with an impulse of at most
-/// kappa times this factor times the contact's impulse, and never more than the contact's impulse. Without this bound,
-/// an adversary who moves the device extracts more energy from a wall. With a larger factor, a soft wall with an
-/// unmodelled delay alternates between two forces; with a smaller one, the oscillation of a stiff wall persists.
-const REPAID_BY_WALLS: f64 = 0.3;
-
 /// The residual impulse of a free object is discarded if it would change the object's velocity by less than this
 /// fraction.
 const NEGLIGIBLE: f64 = 1e-7;
@@ -341,6 +330,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             &interval,
             ended.held.mean,
         );
+        memory.proxy.learn_whether_whole(ended, &interval);
         let Moved {
             object: mut moved,
             shift,
@@ -376,6 +366,9 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let mut device = observer.motion;
         let virtual_force = now.start.virtual_force;
         let mut object_velocity = now.start.object_velocity;
+        if memory.periods[2].is_none() {
+            memory.proxy.comes_in = motion.is_wall() && now.start.penetration > S::ZERO;
+        }
         let mut proxy = memory.proxy;
         let behind = self.flexure.map_or(S::ZERO, |it| it.behind(&memory.sway));
         let mut relative = Relative {
@@ -575,26 +568,4 @@ fn placed_after<S: Scalar>(
     };
     let touched = touched || held_force != S::ZERO;
     placed.after(lesson, device, response, touched, held_force)
-}
-
-/// Returns the impulse by which the force of the next interval corrects past errors `[N s]`: for an object a part of
-/// `residual` `[N s]`, and for a wall the impulse that removes the speed of its proxy, within a bound.
-#[inline(always)]
-fn repaid<S: Scalar>(
-    motion: &ObjectMotion<S>,
-    device: &EstimatedMotion<S>,
-    proxy: &ProxyState<S>,
-    interval: &Interval<S>,
-    residual: S,
-) -> S {
-    if !motion.is_wall() {
-        S::from_f64(REPAID) * residual
-    } else if device.mobility > S::ZERO {
-        let period = interval.duration;
-        let kappa = motion.stiffness() * device.mobility * period * period;
-        let most = (S::from_f64(REPAID_BY_WALLS) * kappa).min(S::ONE) * interval.course.impulse;
-        (S::ZERO - proxy.speed / device.mobility).within(most)
-    } else {
-        S::ZERO
-    }
 }

@@ -257,3 +257,46 @@ fn stiff_walls_with_a_fraction_of_a_period_of_delay_swing_with_and_without_a_dev
         }
     }
 }
+
+/// Force on the object after each period, from a wall whose device rests 2 N deep inside from the first sample and whose
+/// force ramps up over `soft_start` periods.
+fn from_inside(kappa: f64, period: f64, soft_start: u32, delay: f64) -> Vec<f64> {
+    let stiffness = kappa * MASS / (period * period);
+    let loop_params = LoopParams {
+        actuation: Actuation {
+            delay: delay * period,
+            ..Actuation::default()
+        },
+        ..LoopParams::new(period)
+    };
+    let contact = Contact::wall(stiffness);
+    let renderer = Renderer::new(contact, loop_params, CoupledParams::new(MASS)).unwrap();
+    let mut state = renderer.start(ObjectState::at_rest(0.0)).unwrap();
+    let ticks = 0..400 + 3 * soft_start;
+    let parts = ticks.map(|tick| (f64::from(tick) / f64::from(soft_start)).min(1.0));
+    parts
+        .map(|part| {
+            let output = renderer.step(&mut state, Sample::at(2.0 / stiffness));
+            let sent = part * output.force_on_object;
+            renderer.report_sent(&mut state, sent);
+            sent
+        })
+        .collect()
+}
+
+#[test]
+fn a_device_at_rest_inside_a_wall_feels_its_depth_after_a_soft_start() {
+    for kappa in [0.1, 2.0, 3.2, 64.0] {
+        for delay in [0.0, 0.6, 1.0, 2.5] {
+            let forces = from_inside(kappa, PERIOD, 200, delay);
+            let (came_in, last) = (forces[200], forces[forces.len() - 1]);
+            let case = format!("{kappa} {delay}: {came_in} N, then {last} N");
+            assert!((came_in - 2.0).abs() < 0.1, "{case}");
+            assert!((last - 2.0).abs() < 0.01, "{case}");
+        }
+        // A soft start of five long periods.
+        let forces = from_inside(kappa, 0.04, 5, 0.0);
+        let last = forces[forces.len() - 1];
+        assert!((last - 2.0).abs() < 1e-3, "{kappa}: {last} N");
+    }
+}

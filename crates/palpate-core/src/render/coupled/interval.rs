@@ -26,7 +26,21 @@ pub(super) struct ProxyState<S> {
     pub sway: Sway<S>,
     /// Whether the contact had its largest force since a wall was last at its place.
     pub was_limited: bool,
+    /// Whether tracking began inside a wall and the device has not yet felt the whole force.
+    pub comes_in: bool,
 }
+
+impl<S: Scalar> ProxyState<S> {
+    /// Takes an `interval` that has ended: its force is whole if nothing has reduced it.
+    pub fn learn_whether_whole(&mut self, ended: &Ended<S>, interval: &Interval<S>) {
+        let intended = ended.intended_force;
+        let is_whole = intended > S::ZERO && ended.held.mean >= S::from_f64(WHOLE_FROM) * intended;
+        self.comes_in &= !is_whole && interval.course.impulse > S::ZERO;
+    }
+}
+
+/// Part of the intended force from which it counts as whole.
+const WHOLE_FROM: f64 = 0.999;
 
 /// Time constant of a wall in contact for the return to its true position `[s]`. A return while the force changes
 /// generates energy, so it is much slower than a collision.
@@ -37,6 +51,17 @@ const WALL_RETURN_MOST: f64 = 0.03;
 /// Bound of a wall's offset: this factor times the distance that the contact's impulse moves the device in one
 /// interval. It limits the energy that an adversary who moves the device can extract from the wall.
 const WALL_OFFSET_MOST: f64 = 16.0;
+
+/// Part of the residual impulse that the next force corrects. A correction of the whole residual turns the noise of one
+/// estimate into a force of the opposite sign in the next interval. On random plants a half has the smallest error,
+/// with and without delay.
+const REPAID: f64 = 0.5;
+
+/// A wall's proxy may be faster than the device. The next force corrects that difference with an impulse of at most
+/// kappa times this factor times the contact's impulse, and never more than the contact's impulse. Without this bound,
+/// an adversary who moves the device extracts more energy from a wall. With a larger factor, a soft wall with an
+/// unmodelled delay alternates between two forces; with a smaller one, the oscillation of a stiff wall persists.
+const REPAID_BY_WALLS: f64 = 0.3;
 
 /// Motion over one interval: the drive of the relative motion, and its course.
 pub(super) struct Interval<S> {
@@ -250,8 +275,21 @@ impl<S: Scalar> Coupled<S> {
             ..
         } = interval;
         let h = *h;
-        let gives_way = self.placement && device.mobility > S::ZERO;
         let back = (h / S::from_f64(WALL_RETURN)).min(S::from_f64(WALL_RETURN_MOST));
+        if proxy.comes_in {
+            // A soft start or a delay withholds the force that would move the device. A wall that followed the proxy
+            // would come to a device at rest, which would never feel it.
+            return Moved::wall(
+                proxy.wall_offset,
+                ProxyState {
+                    wall_offset: (S::ONE - back) * proxy.wall_offset,
+                    speed: S::ZERO,
+                    sway: *sway,
+                    ..*proxy
+                },
+            );
+        }
+        let gives_way = self.placement && device.mobility > S::ZERO;
         let was_limited = interval.is_saturated || proxy.was_limited;
         let wall_offset = if course.impulse > S::ZERO && gives_way {
             let most = S::from_f64(WALL_OFFSET_MOST) * device.mobility * course.impulse * h;
@@ -269,20 +307,16 @@ impl<S: Scalar> Coupled<S> {
                 .max(S::ZERO)
                 .min(proxy.wall_offset.max(S::ZERO))
         };
-        let by = wall_offset - proxy.wall_offset;
-        Moved {
-            object: Displacement {
-                by,
-                velocity: S::ZERO,
-            },
-            shift: by,
-            proxy: ProxyState {
+        Moved::wall(
+            proxy.wall_offset,
+            ProxyState {
                 wall_offset,
                 speed,
                 sway: *sway,
                 was_limited: was_limited && wall_offset != S::ZERO,
+                comes_in: false,
             },
-        }
+        )
     }
 }
 
@@ -292,6 +326,22 @@ pub(super) struct Moved<S> {
     /// Shift of the object by placement `[m]`.
     pub shift: S,
     pub proxy: ProxyState<S>,
+}
+
+impl<S: Scalar> Moved<S> {
+    /// Returns the motion of a wall from its offset `before` `[m]` to that of `proxy`.
+    #[inline(always)]
+    fn wall(before: S, proxy: ProxyState<S>) -> Self {
+        let by = proxy.wall_offset - before;
+        Self {
+            object: Displacement {
+                by,
+                velocity: S::ZERO,
+            },
+            shift: by,
+            proxy,
+        }
+    }
 }
 
 /// Effect of damping on an interval of relative motion.
@@ -348,6 +398,28 @@ fn damped<S: Scalar>(
         ),
         speed: by(response.damping[1], response.speed[2], response.ramp[1]),
         pushed: c * ((speed + S::HALF * slope * h) * h - travelled),
+    }
+}
+
+/// Returns the impulse by which the force of the next interval corrects past errors `[N s]`: for an object a part of
+/// `residual` `[N s]`, and for a wall the impulse that removes the speed of its proxy, within a bound.
+#[inline(always)]
+pub(super) fn repaid<S: Scalar>(
+    motion: &ObjectMotion<S>,
+    device: &EstimatedMotion<S>,
+    proxy: &ProxyState<S>,
+    interval: &Interval<S>,
+    residual: S,
+) -> S {
+    if !motion.is_wall() {
+        S::from_f64(REPAID) * residual
+    } else if device.mobility > S::ZERO {
+        let period = interval.duration;
+        let kappa = motion.stiffness() * device.mobility * period * period;
+        let most = (S::from_f64(REPAID_BY_WALLS) * kappa).min(S::ONE) * interval.course.impulse;
+        (S::ZERO - proxy.speed / device.mobility).within(most)
+    } else {
+        S::ZERO
     }
 }
 
