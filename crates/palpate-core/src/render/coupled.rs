@@ -367,7 +367,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let virtual_force = now.start.virtual_force;
         let mut object_velocity = now.start.object_velocity;
         if memory.periods[2].is_none() {
-            memory.proxy.comes_in = motion.is_wall() && now.start.penetration > S::ZERO;
+            memory.proxy.comes_in &= motion.is_wall() && now.start.penetration > S::ZERO;
         }
         let mut proxy = memory.proxy;
         let behind = self.flexure.map_or(S::ZERO, |it| it.behind(&memory.sway));
@@ -450,10 +450,13 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             lateness,
             sensor_noise,
             // A wall that waited for a sample still has to return to its position.
-            proxy: if object_known {
-                memory.proxy
-            } else {
-                ProxyState::default()
+            proxy: ProxyState {
+                comes_in: !device_known,
+                ..if object_known {
+                    memory.proxy
+                } else {
+                    ProxyState::default()
+                }
             },
             ..CoupledMemory::default()
         };

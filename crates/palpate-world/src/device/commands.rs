@@ -33,7 +33,16 @@ impl Acting {
             impulse_deviation: of(|piece| piece.held.impulse_deviation),
         }
     }
+
+    /// Returns whether the intended force acted, and nothing reduced it. There is none before the first command.
+    pub fn is_whole(&self) -> bool {
+        let square = self.intended.norm_squared();
+        square > 0.0 && self.sent.dot(&self.intended) >= WHOLE_FROM * square
+    }
 }
+
+/// Part of the intended force from which it counts as whole.
+const WHOLE_FROM: f64 = 0.999;
 
 /// Impulses that earlier commands still give a tool.
 #[derive(Clone, Copy, Debug, Default)]

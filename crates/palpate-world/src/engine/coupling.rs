@@ -239,6 +239,7 @@ impl Coupling {
             let position = Vector3::from(sample.positions[tool]);
             if !is_in_progress {
                 *device = TrackedDevice::new(priors, position);
+                device.proxy.comes_in = true;
                 continue;
             }
             let moved = position - device.measured;
@@ -263,6 +264,7 @@ impl Coupling {
             entry.held += period.mean.dot(&moved);
             entry.carried += self.coupled.axes[tool].across(&period.mean).dot(&moved);
             device.conclude(&period, elapsed);
+            device.proxy.comes_in &= period.touched && !acted.is_whole();
             if period.touched || state.commands.is_expected(tool) {
                 self.coupled
                     .walk_back_in_contact(&mut device.proxy, elapsed);

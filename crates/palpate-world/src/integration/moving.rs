@@ -292,6 +292,14 @@ impl Moving {
         }
     }
 
+    /// Exchanges the triangles that two motions have gathered around the spheres. Both passes of a tick visit the same
+    /// regions of the meshes, so this motion, which begins, needs the triangles that the other gathered last.
+    pub fn exchange_gathered(&mut self, other: &mut Self) {
+        for (surface, other) in self.surfaces.iter_mut().zip(&mut other.surfaces) {
+            surface.exchange_gathered(other);
+        }
+    }
+
     /// Returns the energy stored in the contact at a point `[J]`.
     pub fn stored(&self, number: usize, point: &Point) -> f64 {
         let touch = &self.touches[number];

@@ -103,8 +103,7 @@ fn against(proxy: &Rigid, measured: &Vector3, device: &Motions) -> ProxyState {
     ProxyState {
         offset: proxy.position - measured - device.of(|axis| axis.offset),
         velocity_offset: proxy.velocity - device.of(|axis| axis.velocity),
-        was_limited: false,
-        samples_apart: 0,
+        ..ProxyState::none()
     }
 }
 
@@ -167,6 +166,10 @@ impl Coupled {
         }
         state.now.look(&renderer.points);
         state.ledger.observe(&state.now, &renderer.points);
+        let starts = !state.tracking.in_progress;
+        for (tool, device) in memory.devices.iter_mut().enumerate() {
+            device.proxy.comes_in = starts && Impulse::on(&state.now, renderer, tool).touched;
+        }
     }
 
     pub fn conclude(
@@ -182,7 +185,7 @@ impl Coupled {
         memory.periods = [memory.periods[1], memory.periods[2], elapsed];
         self.observe(state, memory, positions, elapsed);
         // Integrate the interval again from its start, with the updated device estimates.
-        exchange_gathered(&mut state.now, &mut state.ahead);
+        state.now.exchange_gathered(&mut state.ahead);
         state.now.look(points);
         self.carry(&mut state.now, &memory.devices, elapsed);
         state.ledger.observe(&state.now, points);
@@ -322,6 +325,7 @@ impl Coupled {
 
         proxy.was_limited = device.proxy.was_limited || state.now.has_yielded(tool);
         proxy.samples_apart = device.proxy.samples_apart;
+        proxy.comes_in = device.proxy.comes_in && touched && !interval.acted.is_whole();
         device.proxy = proxy;
         device.measured = position;
         device.touched = touched;
@@ -349,10 +353,11 @@ impl Coupled {
         };
         let entry = &mut state.ledger.devices[tool];
         entry.walked_back += start.weighted(&external, &back);
-        if is_free && let Some((turning, _)) = &mut device.turning {
-            let kept = 1.0 - (elapsed / self.velocity_return).min(1.0);
+        let turns_back = is_free || device.proxy.comes_in;
+        if turns_back && let Some((turning, _)) = &mut device.turning {
             let torque = turning.now().external / turning.now().mobility;
-            let back = turning.walk_back(self.turn_return * elapsed, kept);
+            let (most, kept) = self.turns_back(&device.proxy, elapsed);
+            let back = turning.walk_back(most, kept);
             entry.walked_back += torque.dot(&back);
         }
     }
@@ -385,7 +390,7 @@ impl Coupled {
                 duration,
             );
             effort = effort.and(passed);
-            self.pass_piece(state, memory, piece, duration);
+            self.pass_piece(points, state, memory, piece, duration);
         }
         self.carry(&mut state.ahead, &memory.devices, period);
         state.ahead.begin();
@@ -407,14 +412,15 @@ impl Coupled {
     #[inline]
     fn pass_piece(
         &self,
+        points: &[Point],
         state: &mut Progress,
         memory: &mut CoupledMemory,
         piece: usize,
         duration: f64,
     ) {
         for (tool, device) in memory.devices.iter_mut().enumerate() {
-            // The proxy continues from its current state. The device moves under the forces in the actuation
-            // delay.
+            // The proxy continues from its state, while it comes in from the device. The device moves under the forces
+            // in the actuation delay.
             let coming = state.commands.coming(tool, piece);
             if let Some(linkage) = &self.linkages[tool] {
                 let (measured, force) = (device.measured, &coming.intended);
@@ -422,6 +428,11 @@ impl Coupled {
             }
             device.ahead = device.ahead.under(&coming, duration);
             state.ahead.parts[tool].drive = device.ahead.drive();
+            if device.proxy.comes_in {
+                let (at, seen) = (&device.measured, &device.ahead);
+                place(&mut state.ahead, tool, at, seen, &ProxyState::none());
+                state.ahead.look(points);
+            }
             if let Some((turning, prior)) = &mut device.turning {
                 let coming = state.torque_commands.coming(tool, piece);
                 turning.resume(prior, &coming, duration);
@@ -489,16 +500,11 @@ fn begin_prediction(points: &[Point], state: &mut Progress, memory: &mut Coupled
     // A force needs impulses only.
     state.ahead.keeps_books = false;
     state.ahead.continue_from(&state.now, points);
-    exchange_gathered(&mut state.ahead, &mut state.now);
+    state.ahead.exchange_gathered(&mut state.now);
     for (tool, device) in memory.devices.iter_mut().enumerate() {
         device.ahead = device.seen();
-        place(
-            &mut state.ahead,
-            tool,
-            &device.measured,
-            &device.ahead,
-            &device.proxy,
-        );
+        let (at, seen) = (&device.measured, &device.ahead);
+        place(&mut state.ahead, tool, at, seen, &device.proxy);
         if let Some((turning, prior)) = &mut device.turning {
             turning.ahead = *turning.now();
             turning.place(&mut state.ahead.parts[tool], prior);
@@ -557,14 +563,6 @@ pub(crate) const MIN_FORCE: f64 = 1e-6;
 
 /// Torque below which the command of an untouched tool is set to zero `[N m]`.
 const MIN_TORQUE: f64 = 1e-8;
-
-/// Exchanges the triangles that two motions have gathered around the spheres. Both passes of a tick visit the same
-/// regions of the meshes, so the motion that begins needs the triangles that the other gathered last.
-pub(super) fn exchange_gathered(begins: &mut Moving, other: &mut Moving) {
-    for (surface, other) in begins.surfaces.iter_mut().zip(&mut other.surfaces) {
-        surface.exchange_gathered(other);
-    }
-}
 
 impl CoupledMemory {
     /// Writes the estimated state of the tools.

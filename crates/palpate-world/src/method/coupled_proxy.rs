@@ -14,6 +14,8 @@ pub(crate) struct ProxyState {
     pub was_limited: bool,
     /// Samples since the tool was last in contact.
     pub samples_apart: u32,
+    /// Whether tracking began in contact and the device has not yet felt the whole force.
+    pub comes_in: bool,
 }
 
 impl ProxyState {
@@ -23,6 +25,7 @@ impl ProxyState {
             velocity_offset: Vector3::zeros(),
             was_limited: false,
             samples_apart: 0,
+            comes_in: false,
         }
     }
 }
@@ -47,6 +50,7 @@ impl Coupled {
             velocity_offset,
             was_limited,
             samples_apart,
+            ..
         } = proxy;
         let norm = offset.norm();
         let mut most = self.offset_return * elapsed;
@@ -69,9 +73,14 @@ impl Coupled {
     ///
     /// A decay during a change of force costs energy, so the proxy keeps an offset of up to [`KEPT_IN_CONTACT`]. A
     /// larger offset results from lost samples or an outlier, and would displace a wall for as long as it is pressed.
-    /// The excess decays within about [`BACK_IN_CONTACT`], at most as fast as in free motion.
+    /// The excess decays within about [`BACK_IN_CONTACT`], at most as fast as in free motion. While a soft start or a
+    /// delay withholds the first force of a contact, the proxy stays at the device, which the contact has not moved.
     pub fn walk_back_in_contact(&self, proxy: &mut ProxyState, elapsed: f64) -> Vector3 {
         proxy.samples_apart = 0;
+        if proxy.comes_in {
+            proxy.velocity_offset = Vector3::zeros();
+            return -core::mem::replace(&mut proxy.offset, Vector3::zeros());
+        }
         let offset = &mut proxy.offset;
         let norm = offset.norm();
         let beyond = norm - KEPT_IN_CONTACT * self.offset_limit;
@@ -82,6 +91,16 @@ impl Coupled {
         let back = *offset * (-most / norm);
         *offset += back;
         back
+    }
+
+    /// Returns the largest rotation of a proxy without contact towards its device `[rad]`, and the factor of its momentum
+    /// offset. While it comes in, it stays at the device.
+    pub fn turns_back(&self, proxy: &ProxyState, elapsed: f64) -> (f64, f64) {
+        if proxy.comes_in {
+            return (f64::INFINITY, 0.0);
+        }
+        let kept = 1.0 - (elapsed / self.velocity_return).min(1.0);
+        (self.turn_return * elapsed, kept)
     }
 
     /// Clamps the offset to its limit. Returns whether the offset exceeded it.

@@ -13,7 +13,6 @@ use crate::integration::held_load::Load;
 use crate::integration::held_tools::HeldTools;
 use crate::integration::interval::{Reach, advance};
 use crate::method::basic::Basic;
-use crate::method::coupled::exchange_gathered;
 use crate::method::state::{Progress, show_contacts};
 use crate::{Effort, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer};
 
@@ -185,7 +184,7 @@ impl Hfcr {
         let period = renderer.loop_params.period;
         show_contacts(&mut state.contacts, &mut state.shown, &state.now);
         state.ahead.continue_from(&state.now, points);
-        exchange_gathered(&mut state.ahead, &mut state.now);
+        state.ahead.exchange_gathered(&mut state.now);
         state.ahead.begin();
         state.ahead.hold_tools();
         let sub_steps = &renderer.loop_params.sub_steps;

@@ -422,3 +422,68 @@ fn a_deviation_of_the_model_adds_nothing_to_the_swing_of_a_contact() {
         }
     }
 }
+
+/// Returns the last force on a device that rests 2 N deep inside a plane of `kappa` from its first sample, with a force
+/// that ramps up over 0.2 s `[N]`. `render` returns the force that it sends for a position: a part of the rendered one.
+fn from_inside(pressed: &Pressed, mut render: impl FnMut(Vector, f64) -> f64) -> f64 {
+    let x = [0.0, 0.0, RADIUS - 2.0 / pressed.stiffness()];
+    (0..1000).fold(0.0, |_, tick| render(x, f64::from(tick).min(200.0) / 200.0))
+}
+
+impl Pressed {
+    fn from_inside(&self) -> f64 {
+        let renderer = WorldRenderer::new(&self.world(), self.loop_params(), params()).unwrap();
+        let mut state = renderer.start();
+        from_inside(self, |x, part| {
+            let output = renderer.step(&mut state, &Sample::at(&[x]));
+            assert_eq!(output.fault, None, "{self:?}");
+            let sent = output.forces[0].map(|force| part * force);
+            renderer.report_sent(&mut state, 0, sent);
+            sent[2]
+        })
+    }
+
+    fn from_inside_with_an_engine(&self) -> f64 {
+        let World { tools, bodies, .. } = self.world();
+        let body = EngineBody {
+            law: ContactLaw::spring(self.stiffness()),
+            ..still("body", bodies[0].shape.clone())
+        };
+        let stepping = Stepping::EndVelocity;
+        let renderer =
+            EngineRenderer::new(&tools, &[body], stepping, self.loop_params(), params()).unwrap();
+        let mut state = renderer.start();
+        let now = BodyNow::fixed(bodies[0].position);
+        let mut wrench = [BodyWrench::default()];
+        from_inside(self, |x, part| {
+            renderer.sample(&mut state, &Sample::at(&[x]));
+            renderer.advance(&mut state, PERIOD, &[now], &mut wrench);
+            let output = renderer.hold(&mut state);
+            assert_eq!(output.fault, None, "{self:?}");
+            let sent = output.forces[0].map(|force| part * force);
+            renderer.report_sent(&mut state, 0, sent);
+            sent[2]
+        })
+    }
+}
+
+#[test]
+fn a_tool_at_rest_inside_a_plane_feels_its_depth_after_a_soft_start() {
+    for (kappa, delay) in [
+        (0.1, 0.0),
+        (0.1, 1.0),
+        (2.0, 0.0),
+        (2.0, 1.0),
+        (3.2, 0.0),
+        (3.2, 1.0),
+        (10.0, 0.0),
+    ] {
+        let pressed = Pressed {
+            actuation: Actuation::after(delay * PERIOD),
+            ..Pressed::new(kappa, 0.0, 0.0)
+        };
+        for force in [pressed.from_inside(), pressed.from_inside_with_an_engine()] {
+            assert!((force - 2.0).abs() < 0.05, "{force} N: {kappa} {delay}");
+        }
+    }
+}
