@@ -96,15 +96,17 @@ pub enum TraceFault {
         /// Remedy, in terms of the caller's interface.
         way: Way,
     },
-    /// The time and a value are read from one column.
+    /// The time and a value, or two values, are read from one column.
     #[error(
-        "the column `{name}` is selected as the time and as `{value}`; select another column for one of them"
+        "the column `{name}` is selected as {one} and as `{other}`; select another column for one of them"
     )]
-    TimeAsValue {
+    SharedColumn {
         /// The column.
         name: String,
-        /// The value.
-        value: String,
+        /// The time or the first value.
+        one: String,
+        /// The other value.
+        other: String,
     },
     /// Two sources name different units.
     #[error(

@@ -227,6 +227,13 @@ mod tests {
             twice.contains("m.csv:1:9: the header names the column `x` twice"),
             "{twice}"
         );
+        let shared = Layout {
+            columns: Layout::parse_columns("x=a,y=a,z=c").unwrap(),
+            ..Layout::default()
+        };
+        let error = read_laid_out("t,a,c\n0,0,0\n", &[false], &shared).unwrap_err();
+        let said = "m.csv:1:3: the column `a` is selected as `x` and as `y`; select another column";
+        assert!(error.contains(said), "{error}");
         let unknown = Layout {
             columns: vec![("w".into(), "a".into())],
             ..Layout::default()

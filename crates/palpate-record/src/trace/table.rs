@@ -205,15 +205,20 @@ impl<'a, R: Read> Text<'a, Bounded<R>> {
         let others = found.split_off(1);
         let time = found.pop().flatten();
         let time: Column = time.expect("the time column is required");
-        let mut wanted = request.wanted.iter().zip(&others);
-        let other =
-            wanted.find(|(_, found)| found.as_ref().is_some_and(|found| found.at == time.at));
-        if let Some((wanted, _)) = other {
-            let fault = TraceFault::TimeAsValue {
-                name: time.name,
-                value: wanted.shown.clone(),
+        let mut taken = vec![("the time".to_owned(), time.at)];
+        for (wanted, column) in request.wanted.iter().zip(&others) {
+            let Some(column) = column else {
+                continue;
             };
-            return Err(self.fault_in(header, Some(time.at), fault));
+            if let Some((one, at)) = taken.iter().find(|(_, at)| *at == column.at) {
+                let fault = TraceFault::SharedColumn {
+                    name: column.name.clone(),
+                    one: one.clone(),
+                    other: wanted.shown.clone(),
+                };
+                return Err(self.fault_in(header, Some(*at), fault));
+            }
+            taken.push((format!("`{}`", wanted.shown), column.at));
         }
         Ok((time, others))
     }
