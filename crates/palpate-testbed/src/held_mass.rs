@@ -32,6 +32,9 @@ use crate::power_series::{MAX_TERMS, first_fall, integral, terms, value};
 /// for ten seconds. See [`HeldMass::gave_up`].
 const MAX_SPANS: usize = 1_000_000;
 
+/// Fastest rate `[rad/s]` of a mass, and of the hand's motion: a second has this many spans.
+const MAX_RATE: f64 = 1e6;
+
 /// A slide from rest that ends within this fraction of its span is the round-off of a force that
 /// touches the friction's level, and no slide.
 const BRIEFEST_SLIDE: f64 = 1e-12;
@@ -84,8 +87,8 @@ impl HeldMass {
     ///
     /// # Errors
     ///
-    /// `mass` is not finite and positive, or a parameter of the hand is not finite or is negative
-    /// where it may not be.
+    /// `mass` is not finite and positive, or too light for 1e6 rad/s, or a parameter of the hand is not finite, is
+    /// negative where it may not be, or faster.
     pub fn new(mass: f64, hand: Hand) -> Result<Self, InvalidParameter> {
         positive("mass", mass, "finite and above 0 kg")?;
         hand.check()?;
@@ -102,14 +105,14 @@ impl HeldMass {
             accounts: Accounts::default(),
             gave_up: false,
         }
-        .with_finite_rates()
+        .with_bounded_rates()
     }
 
     /// Returns the same device with viscous friction B `[N s/m]` and Coulomb friction F_c `[N]`.
     ///
     /// # Errors
     ///
-    /// One of them is not finite and at least 0.
+    /// One of them is not finite and at least 0, or the mass is too light for 1e6 rad/s.
     pub fn with_friction(self, viscous: f64, coulomb: f64) -> Result<Self, InvalidParameter> {
         Self {
             viscous_friction: not_negative(
@@ -120,7 +123,7 @@ impl HeldMass {
             coulomb_friction: not_negative("coulomb_friction", coulomb, "finite and at least 0 N")?,
             ..self
         }
-        .with_finite_rates()
+        .with_bounded_rates()
     }
 
     /// Returns the same device with a motor that gives at most this force `[N]`; infinite is no limit.
@@ -167,13 +170,15 @@ impl HeldMass {
         })
     }
 
-    fn with_finite_rates(self) -> Result<Self, InvalidParameter> {
+    fn with_bounded_rates(self) -> Result<Self, InvalidParameter> {
         InvalidParameter::unless(
-            self.sliding_rate().is_finite(),
+            self.sliding_rate() <= MAX_RATE,
             "mass",
             self.mass,
-            "heavy enough for a finite rate with the stiffness and the damping",
+            "heavy enough for stiffness and damping: no faster than 1e6 rad/s together",
         )?;
+        let rate = self.hand.fastest_rate();
+        InvalidParameter::unless(rate <= MAX_RATE, "hand.rate", rate, "at most 1e6 rad/s")?;
         Ok(self)
     }
 

@@ -27,8 +27,8 @@ pub struct ViscousIdeal {
 }
 
 /// Most spans and events within a period. A contact lasts half an oscillation at least, so only
-/// oscillations of less than a millionth of a period come near it.
-const MAX_SPANS: usize = 10_000_000;
+/// oscillations of less than a ten-thousandth of a period come near it.
+const MAX_SPANS: usize = 100_000;
 
 impl ViscousIdeal {
     /// The ideal of `scene` with friction b `[N s/m]` on its device, over `intervals` periods `[s]`.
@@ -36,7 +36,7 @@ impl ViscousIdeal {
     /// # Errors
     ///
     /// A field of `scene` outside its range, `friction` not finite and at least 0, `period` not
-    /// finite and positive, or more than 10⁷ spans in a period.
+    /// finite and positive, or more than 10⁵ spans in a period.
     pub fn new(
         scene: &PointMassScene,
         friction: f64,
@@ -56,7 +56,7 @@ impl ViscousIdeal {
             period * motion.contact_rate < MAX_SPANS as f64,
             "period",
             period,
-            "less than 1e7 radians of the contact",
+            "less than 1e5 radians of the contact",
         )?;
         let mut sums = Vec::with_capacity(intervals);
         let mut record = Vec::with_capacity(intervals + 1);

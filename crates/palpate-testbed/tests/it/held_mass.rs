@@ -303,7 +303,7 @@ fn the_motor_gives_no_more_than_it_can() {
 
 #[test]
 fn parameters_far_from_any_device_end_in_finite_time_with_finite_numbers() {
-    let hand = spring(1e12, 0.0, swing(1.0, 1e5));
+    let hand = spring(1e10, 0.0, swing(1.0, 1e5));
     let mut device = HeldMass::new(1e-3, hand)
         .and_then(|device| device.with_friction(0.0, 1e3))
         .unwrap();
@@ -327,6 +327,11 @@ fn a_rejected_parameter_is_named() {
         HeldMass::new(0.0, Hand::pushing(0.0)).unwrap_err().name,
         "mass"
     );
+    // Millions of spans in a period.
+    let light = HeldMass::new(1e-9, spring(0.0, 1e6, Intention::constant(0.0))).unwrap_err();
+    assert_eq!((light.name, light.value), ("mass", 1e-9));
+    let light = HeldMass::new(1e-9, Hand::pushing(0.0)).unwrap();
+    assert_eq!(light.with_friction(1.0, 0.0).unwrap_err().name, "mass");
     assert_eq!(
         free.clone().with_friction(0.0, f64::NAN).unwrap_err().name,
         "coulomb_friction"
