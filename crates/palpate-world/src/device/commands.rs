@@ -34,7 +34,7 @@ impl Acting {
         }
     }
 
-    /// Returns whether the intended force acted, and nothing reduced it. There is none before the first command.
+    /// Returns whether the whole intended force acted; false before the first command acts.
     pub fn is_whole(&self) -> bool {
         let square = self.intended.norm_squared();
         square > 0.0 && self.sent.dot(&self.intended) >= WHOLE_FROM * square
