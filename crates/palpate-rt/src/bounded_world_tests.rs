@@ -20,6 +20,7 @@ fn world(limits: SafetyParams) -> BoundedWorld {
             law: ContactLaw::spring(1000.0),
         }],
         joints: Vec::new(),
+        fields: Vec::new(),
     };
     let loop_params = WorldLoop::new(PERIOD);
     let renderer =

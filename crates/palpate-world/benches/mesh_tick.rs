@@ -105,6 +105,7 @@ fn main() {
             let name = format!("{}, tool of {} mm", method.name(), 1e3 * radius);
             let world = World {
                 joints: Vec::new(),
+                fields: Vec::new(),
                 tools: vec![Tool::new("tool", Shape::Sphere { radius })],
                 bodies: vec![Body::new("bumps", Shape::Mesh(mesh.clone()), Motion::Fixed)],
                 contacts: vec![Contact {

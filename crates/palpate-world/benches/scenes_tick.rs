@@ -28,6 +28,7 @@ fn world(bodies: Vec<Body>) -> World {
     let law = ContactLaw::spring(STIFFNESS).with_damping(1.0);
     World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![Tool::new(
             "tool",
             Shape::Sphere {

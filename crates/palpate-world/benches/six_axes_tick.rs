@@ -101,6 +101,7 @@ fn points_on_grid(points: usize, friction: f64) -> World {
 fn world(block: Shape, table: Shape, friction: f64) -> World {
     World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", block).turning()],
         bodies: vec![Body::new("table", table, Motion::Fixed)],
         contacts: vec![Contact {

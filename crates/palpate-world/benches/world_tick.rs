@@ -28,6 +28,7 @@ fn world(friction: f64) -> World {
     let law = ContactLaw::spring(4000.0).with_damping(1.0);
     World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.008 })],
         bodies: vec![
             plane("floor", [0.0, 0.0, 1.0]),

@@ -19,6 +19,7 @@ pub use contact::law::Mode;
 pub use contact::pairs::{MAX_POSSIBLE_POINTS, MAX_SHELL_POINTS, Side};
 pub use description::body::{Body, Free, Motion, Tool};
 pub use description::contact::{Contact, ContactLaw, Party};
+pub use description::field::{Field, FieldKind};
 pub use description::joint::{Joint, JointKind, JointLaw};
 pub use description::mass_table::{MassTable, MassTableError};
 pub use description::world::World;
@@ -27,7 +28,7 @@ pub use device::observer::Prior;
 pub use device::params::WorldLoop;
 pub use device::sample::{Limited, Output, Sample, WorldFault};
 pub use dynamics::ledger::{
-    BodyLedger, ContactLedger, Departed, DeviceLedger, EnergyLedger, JointLedger,
+    BodyLedger, ContactLedger, Departed, DeviceLedger, EnergyLedger, FieldLedger, JointLedger,
 };
 pub use error::field::WorldField;
 pub use error::{LARGEST, LEAST, WorldError, WorldErrors, WorldPart, out_of_range};

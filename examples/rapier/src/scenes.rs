@@ -138,5 +138,6 @@ fn evaluated(scene: &Scene) -> WorldScene {
         bodies,
         pairs,
         joints: Vec::new(),
+        fields: Vec::new(),
     }
 }

@@ -133,6 +133,7 @@ mod tests {
                 law: ContactLaw::spring(1000.0),
             }],
             joints: Vec::new(),
+            fields: Vec::new(),
         };
         let renderer =
             WorldRenderer::new(&world, WorldLoop::new(1e-3), BasicParams::default()).unwrap();

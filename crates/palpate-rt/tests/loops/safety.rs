@@ -345,6 +345,7 @@ fn point_above_a_floor(stiffness: f64) -> World {
             law: ContactLaw::spring(stiffness),
         }],
         joints: Vec::new(),
+        fields: Vec::new(),
     }
 }
 
@@ -436,6 +437,7 @@ fn a_ball_that_a_limited_force_throws_is_no_oscillation() {
             law: ContactLaw::spring(20_000.0),
         }],
         joints: Vec::new(),
+        fields: Vec::new(),
     };
     let loop_params = WorldLoop::new(0.001);
     let renderer =

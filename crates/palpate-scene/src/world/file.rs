@@ -201,6 +201,7 @@ impl Reading {
         let joints = joints.collect();
         let world = World {
             joints,
+            fields: Vec::new(),
             tools,
             bodies,
             contacts,

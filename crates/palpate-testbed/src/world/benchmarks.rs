@@ -111,6 +111,7 @@ pub fn groove(degrees: f64, friction: f64) -> Benchmark {
         ),
         scene: WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             devices: vec![tool],
             bodies: vec![wall("right", 1.0), wall("left", -1.0)],
             pairs: (0..2)
@@ -143,6 +144,7 @@ pub fn pushed_block() -> Benchmark {
         title: "A tool pushes a block of 50 g over a table".into(),
         scene: WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             devices: vec![tool],
             bodies: vec![
                 WorldBody {
@@ -181,6 +183,7 @@ pub fn paddle() -> Benchmark {
         title: "A ball of 100 g bounces on a round paddle".into(),
         scene: WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             devices: vec![tool],
             bodies: vec![WorldBody {
                 name: "ball".into(),
@@ -221,6 +224,7 @@ pub fn pinch() -> Benchmark {
         title: "Two fingers pinch a cube of 50 g and lift it".into(),
         scene: WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             devices: vec![finger("left", -1.0, 0.0005), finger("right", 1.0, -0.0003)],
             bodies: vec![
                 WorldBody {
@@ -275,6 +279,7 @@ pub fn row() -> Benchmark {
         title: "A tool pushes a row of three balls of 50 g against a wall".into(),
         scene: WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             devices: vec![tool],
             bodies: vec![
                 ball(0, 0.0003, 0.0),
@@ -387,6 +392,7 @@ fn on_mesh(
         title,
         scene: WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             devices: vec![tool],
             bodies: mesh
                 .map(|mesh| WorldBody {

@@ -50,6 +50,7 @@ mod decisive;
 mod dormand_prince;
 mod evaluation;
 mod field;
+mod force_field;
 mod hand;
 mod held_axis;
 mod held_linkage;
@@ -87,6 +88,7 @@ pub use evaluation::{
     WindowRule, WorldEvaluation,
 };
 pub use field::Field;
+pub use force_field::{Attractor, ForceField, Potential};
 pub use hand::{Drivetrain, Swing, WorldHand};
 pub use held_turning::HeldTurning;
 pub use hull::Hull;

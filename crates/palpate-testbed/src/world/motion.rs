@@ -4,6 +4,7 @@ mod hand;
 mod rates;
 
 use super::contact::{Acceleration, Contact, Placed, Touch, WorldError};
+use super::force_field::ForceField;
 use super::joints::{Bearing, Hold};
 use super::layout::Layout;
 use super::scene::{ContactLaw, FreeMotion, Member, WorldDevice, WorldScene};
@@ -50,6 +51,7 @@ pub(super) struct System {
     bodies: Vec<Option<Rigid>>,
     pub contacts: Vec<Contact>,
     pub joints: Vec<Bearing>,
+    pub fields: Vec<ForceField>,
     pub layout: Layout,
     orientations: Vec<[f64; 4]>,
     start: Vec<Placed>,
@@ -149,6 +151,7 @@ impl System {
             bodies,
             contacts,
             joints,
+            fields: scene.fields.clone(),
             layout,
             orientations: scene.bodies.iter().map(|body| body.orientation).collect(),
             start,
@@ -273,6 +276,9 @@ impl System {
                 now.forces[*member] += *force;
                 now.torques[*member] += *torque;
             }
+        }
+        for field in &self.fields {
+            now.forces[field.device] += field.pull(now.placed[field.device].position).0;
         }
         self.accelerate(time, state, now);
         for (number, (contact, condition)) in self.contacts.iter().zip(conditions).enumerate() {
@@ -515,7 +521,14 @@ impl Instant {
         self.hand_force(system, number, time) + self.forces[number]
     }
 
-    /// Sum of the contact forces on the tool of a device `[N]`.
+    /// Energy of the force fields `[J]`.
+    pub fn field_energy(&self, system: &System) -> f64 {
+        let fields = system.fields.iter();
+        let each = fields.map(|field| field.pull(self.placed[field.device].position).1);
+        each.sum()
+    }
+
+    /// Sum of the contact and field forces on the tool of a device `[N]`.
     pub fn contact_force(&self, device: usize) -> Vec3 {
         self.forces[device]
     }

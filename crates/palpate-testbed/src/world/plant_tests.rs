@@ -11,6 +11,7 @@ fn scene() -> WorldScene {
     };
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![WorldDevice {
             name: "tool".into(),
             own_axes: None,

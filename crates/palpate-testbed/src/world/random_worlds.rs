@@ -494,6 +494,7 @@ fn scene(device: WorldDevice, parts: &Parts, stiffness: f64, mass: f64) -> World
     }
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![device],
         bodies,
         pairs,

@@ -460,7 +460,8 @@ impl<'a> Run<'a> {
                 .clone()
                 .map(|number| self.now.stored_energy(system, number))
                 .sum::<f64>()
-                + self.now.holds.iter().map(|hold| hold.stored).sum::<f64>(),
+                + self.now.holds.iter().map(|hold| hold.stored).sum::<f64>()
+                + self.now.field_energy(system),
             dissipated: contacts
                 .map(|number| self.state[layout.contact_sums(number) + 4])
                 .sum::<f64>()

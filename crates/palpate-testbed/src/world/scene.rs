@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::force_field::ForceField;
 use super::hand::{Drivetrain, WorldHand};
 use super::hull::Hull;
 use super::joints::WorldJoint;
@@ -277,6 +278,8 @@ pub struct WorldScene {
     pub pairs: Vec<Pair>,
     /// The joints.
     pub joints: Vec<WorldJoint>,
+    /// The force fields.
+    pub fields: Vec<ForceField>,
 }
 
 /// A parameter of a scene outside its range; its name contains the device, body or pair, for instance
@@ -301,6 +304,9 @@ impl WorldScene {
         }
         for (number, joint) in self.joints.iter().enumerate() {
             joint.check(&format!("joints[{number}]"), self.bodies.len())?;
+        }
+        for (number, field) in self.fields.iter().enumerate() {
+            field.check(&format!("fields[{number}]"), self.devices.len())?;
         }
         Ok(())
     }

@@ -36,6 +36,7 @@ fn scene() -> WorldScene {
     let law = ContactLaw::spring(2000.0).rough(0.3, 1000.0).damped(0.5);
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![device(-0.045, 1.0), device(0.05, -1.2)],
         bodies: vec![WorldBody {
             name: "ball".into(),

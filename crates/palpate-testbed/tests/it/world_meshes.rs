@@ -32,6 +32,7 @@ fn law() -> ContactLaw {
 fn scene(radius: f64, position: Vector, rest: Vector, bodies: Vec<WorldBody>) -> WorldScene {
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![WorldDevice {
             name: "tool".into(),
             own_axes: None,

@@ -45,6 +45,7 @@ fn dumbbell() -> Tool {
 fn alone(device: WorldDevice) -> WorldScene {
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![device],
         ..WorldScene::default()
     }
@@ -81,6 +82,7 @@ fn on_a_table() -> WorldScene {
     };
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![device],
         bodies: vec![table],
         pairs: vec![Pair {

@@ -7,11 +7,11 @@ use palpate_core::Range;
 use crate::error::out_of_range;
 use crate::geometry::rigid::{Matrix3, Vector3};
 use crate::{
-    Body, Contact, ContactLaw, Free, Joint, JointKind, Motion, Party, Shape, Tool, Vector,
+    Body, Contact, ContactLaw, Field, Free, Joint, JointKind, Motion, Party, Shape, Tool, Vector,
     WorldError, WorldErrors, WorldField, WorldPart,
 };
 
-/// World description: tools, bodies, joints and contact laws.
+/// World description: tools, bodies, joints, contact laws and force fields.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct World {
     /// One tool per device, in the order of the devices.
@@ -23,6 +23,8 @@ pub struct World {
     pub contacts: Vec<Contact>,
     /// The joints.
     pub joints: Vec<Joint>,
+    /// The force fields. In a changed world the field with the same index continues.
+    pub fields: Vec<Field>,
 }
 
 /// Allowed deviation of a unit vector's length from 1.
@@ -56,7 +58,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// Returns all faults in the order tools, bodies, contacts, joints (at least one).
+    /// Returns all faults in the order tools, bodies, contacts, joints, fields (at least one).
     pub fn check(&self) -> Result<(), WorldErrors> {
         let mut faults = Vec::new();
         let mut names = HashSet::new();
@@ -64,6 +66,7 @@ impl World {
         self.check_bodies(&mut names, &mut faults);
         self.check_contacts(&names, &mut faults);
         self.check_joints(&mut faults);
+        self.check_fields(&mut faults);
         WorldErrors::check(faults)
     }
 
@@ -164,6 +167,16 @@ impl World {
             of.joint(joint, &self.bodies);
         }
     }
+
+    /// Reports the faults of the fields.
+    fn check_fields(&self, faults: &mut Vec<WorldError>) {
+        for (number, field) in self.fields.iter().enumerate() {
+            let subject = format!("field {number} on {:?}", field.tool);
+            let is_body = self.bodies.iter().any(|body| body.name == field.tool);
+            let mut of = Faults::new(faults, WorldPart::Field(number), &subject);
+            of.field(field, &self.tools, is_body);
+        }
+    }
 }
 
 /// Returns whether a vector has length 1.
@@ -210,11 +223,11 @@ impl<'a> Faults<'a> {
         }
     }
 
-    fn above_zero(&mut self, field: WorldField, value: f64) {
+    pub(super) fn above_zero(&mut self, field: WorldField, value: f64) {
         self.within(field, value, Range::Positive);
     }
 
-    fn at_least_zero(&mut self, field: WorldField, value: f64) {
+    pub(super) fn at_least_zero(&mut self, field: WorldField, value: f64) {
         self.within(field, value, Range::NotNegative);
     }
 

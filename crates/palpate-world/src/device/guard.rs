@@ -263,7 +263,7 @@ impl Account {
         }
     }
 
-    /// Restarts with the current energy of bodies, contacts and joints, for ledgers that started earlier. The action
+    /// Restarts with the current energy of bodies, contacts, joints and fields, for ledgers that started earlier. The action
     /// in the last interval is also used for the intervals before it. It does not allocate.
     pub fn begin_at(
         &mut self,
@@ -280,7 +280,8 @@ impl Account {
         let bodies: f64 = ledger.bodies.iter().map(|entry| entry.kinetic).sum();
         let contacts: f64 = ledger.contacts.iter().map(|entry| entry.stored).sum();
         let joints: f64 = ledger.joints.iter().map(|entry| entry.stored).sum();
-        self.there = bodies + contacts + joints - had(ledger);
+        let fields: f64 = ledger.fields.iter().map(|entry| entry.stored).sum();
+        self.there = bodies + contacts + joints + fields - had(ledger);
     }
 
     /// Adds energy that appeared in the contacts, at a first sample of a tool or a change of the world `[J]`.
@@ -419,7 +420,7 @@ impl Account {
 }
 
 /// Returns the energy available since the start of the ledger, without the initial energy and the work at the ports
-/// `[J]`. It is the work of the bodies' constant forces and of external changes, minus the energy dissipated by
+/// `[J]`. It is the work of the constant forces and of external changes, minus the energy dissipated by
 /// damping and friction. Excluded are the work of a mechanism that lacks an axis and that of a hand that turns a tool
 /// without a torque: a hand that feels no motor cannot receive this energy.
 fn had(ledger: &EnergyLedger) -> f64 {
@@ -430,7 +431,9 @@ fn had(ledger: &EnergyLedger) -> f64 {
     let contacts: f64 = contacts.map(|entry| entry.dissipated).sum();
     let joints = ledger.joints.iter().chain([&gone.joints]);
     let joints: f64 = joints.map(|entry| entry.dissipated).sum();
-    bodies - contacts - joints
+    let fields = ledger.fields.iter().chain([&gone.fields]);
+    let supplied: f64 = fields.map(|entry| entry.supplied).sum();
+    bodies - contacts - joints + supplied
 }
 
 /// Returns the work of the actions on the tools over their motions `[J]`.

@@ -64,6 +64,44 @@ pub struct JointLedger {
     pub step_error: f64,
 }
 
+/// Energy of a force field over all completed intervals `[J]`.
+///
+/// ```text
+/// stored = observed + outside + supplied - work + step_error
+/// leak   = held - work
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct FieldLedger {
+    /// Stored energy U at the last sample.
+    pub stored: f64,
+    /// Work of the field on the tool's proxy.
+    pub work: f64,
+    /// Work of the field's mean force on the device itself.
+    pub held: f64,
+    /// Change in stored energy due to samples or limits that displaced the proxy from its expected position.
+    pub observed: f64,
+    /// Energy added by changes of the running world.
+    pub outside: f64,
+    /// Work of a constant force, which is external.
+    pub supplied: f64,
+    /// Energy generated (positive) or lost by finite sub-steps.
+    pub step_error: f64,
+}
+
+impl FieldLedger {
+    /// Returns the energy that holding the mean force has given to the hand in excess of the field's own work `[J]`.
+    #[must_use]
+    pub fn leak(&self) -> f64 {
+        self.held - self.work
+    }
+
+    /// Returns the generated energy: stored or given away in excess of the work on the tool's proxy `[J]`.
+    pub(crate) fn created(&self) -> f64 {
+        self.observed + self.step_error - self.work
+    }
+}
+
 /// Energy of a body over all completed intervals `[J]`.
 ///
 /// ```text
@@ -99,7 +137,7 @@ pub struct DeviceLedger {
     /// a tool turned by its hand ([`Tool::turned_by_hand`](crate::Tool::turned_by_hand)) it is the work of the
     /// contact torques, against which the hand turns the tool.
     pub carried: f64,
-    /// Sum of the contacts' [`ContactLedger::held`].
+    /// Sum of the contacts' [`ContactLedger::held`] and the fields' [`FieldLedger::held`].
     pub held: f64,
     /// Unpredicted work at the port. It results from the difference between the held force and the mean contact force
     /// known later, and from that between the measured and the estimated path of the device.
@@ -124,6 +162,8 @@ pub struct EnergyLedger {
     pub bodies: Vec<BodyLedger>,
     /// Each joint, in the world's order.
     pub joints: Vec<JointLedger>,
+    /// Each field, in the world's order.
+    pub fields: Vec<FieldLedger>,
     /// Each device, in the order of the tools.
     pub devices: Vec<DeviceLedger>,
     /// Elements removed by changes of the running world.
@@ -141,6 +181,8 @@ pub struct Departed {
     pub bodies: BodyLedger,
     /// All removed joints.
     pub joints: JointLedger,
+    /// All removed fields.
+    pub fields: FieldLedger,
 }
 
 impl Departed {
@@ -171,12 +213,23 @@ impl Departed {
         sum.outside += entry.outside - entry.stored;
         sum.step_error += entry.step_error;
     }
+
+    fn add_field(&mut self, entry: &FieldLedger) {
+        let sum = &mut self.fields;
+        sum.work += entry.work;
+        sum.held += entry.held;
+        sum.observed += entry.observed;
+        sum.outside += entry.outside - entry.stored;
+        sum.supplied += entry.supplied;
+        sum.step_error += entry.step_error;
+    }
 }
 
 impl EnergyLedger {
-    /// Returns the sum over all contacts of the change in stored energy by samples and limits `[J]`.
+    /// Returns the sum over all contacts and fields of the change in stored energy by samples and limits `[J]`.
     pub(crate) fn observed(&self) -> f64 {
-        self.contacts.iter().map(|entry| entry.observed).sum()
+        let contacts: f64 = self.contacts.iter().map(|entry| entry.observed).sum();
+        contacts + self.fields.iter().map(|entry| entry.observed).sum::<f64>()
     }
 
     /// Returns the energy dissipated by damping and friction of all contacts and joints, including removed ones
@@ -189,7 +242,8 @@ impl EnergyLedger {
             + joints.map(|entry| entry.dissipated).sum::<f64>()
     }
 
-    /// Adds the ledgers of removed elements of `old` to [`gone`](Self::gone), given their indices. Returns the energy
+    /// Adds the ledgers of removed elements of `old` to [`gone`](Self::gone), given their indices; of the fields, those
+    /// beyond its own number. Returns the energy
     /// stored in them `[J]`.
     pub(crate) fn take_leave(
         &mut self,
@@ -212,6 +266,10 @@ impl EnergyLedger {
             stored += entry.stored;
             self.gone.add_joint(entry);
         }
+        for entry in old.fields.iter().skip(self.fields.len()) {
+            stored += entry.stored;
+            self.gone.add_field(entry);
+        }
         stored
     }
 
@@ -219,7 +277,7 @@ impl EnergyLedger {
     /// explain.
     ///
     /// ```text
-    /// port work of all devices + carried - work of the contacts on their avatars + observed + step errors
+    /// port work of all devices + carried - work of contacts and fields on their avatars + observed + step errors
     /// ```
     ///
     /// By the other identities it equals the total gain of hands, bodies, contacts and dissipation minus the external
@@ -227,7 +285,8 @@ impl EnergyLedger {
     #[must_use]
     pub fn created(&self) -> f64 {
         let contacts: f64 = self.contacts.iter().map(ContactLedger::created).sum();
-        self.at_ports() + contacts + self.created_otherwise()
+        let fields: f64 = self.fields.iter().map(FieldLedger::created).sum();
+        self.at_ports() + contacts + fields + self.created_otherwise()
     }
 
     /// Returns the work at the ports of all devices `[J]`.
@@ -236,23 +295,24 @@ impl EnergyLedger {
         devices.map(|entry| entry.port_work + entry.carried).sum()
     }
 
-    /// Returns the energy generated by sub-steps of bodies and joints, and by removed contacts `[J]`.
+    /// Returns the energy generated by sub-steps of bodies and joints, and by removed contacts and fields `[J]`.
     pub(crate) fn created_otherwise(&self) -> f64 {
         let gone = &self.gone;
         let bodies = self.bodies.iter().chain([&gone.bodies]);
         let joints = self.joints.iter().chain([&gone.joints]);
         gone.contacts.created()
+            + gone.fields.created()
             + bodies.map(|entry| entry.step_error).sum::<f64>()
             + joints.map(|entry| entry.step_error).sum::<f64>()
     }
 }
 
-/// Energy generated at the ports of the devices. Each contact is weighted by the fraction of its force that reached
-/// the device after limiting.
+/// Energy generated at the ports of the devices. Each contact and field is weighted by the fraction of its force that
+/// reached the device after limiting.
 #[derive(Clone, Debug)]
 pub(crate) struct CreatedAtPorts {
-    /// Energy generated by each contact's own force up to the last sample `[J]`.
-    contacts: Vec<f64>,
+    /// Energy generated by the own force of each contact, then of each field, up to the last sample `[J]`.
+    sources: Vec<f64>,
     others: f64,
     ports: f64,
     created: f64,
@@ -260,36 +320,38 @@ pub(crate) struct CreatedAtPorts {
 
 impl CreatedAtPorts {
     /// Creates a ledger with zero entries.
-    pub fn none(contacts: usize) -> Self {
+    pub fn none(sources: usize) -> Self {
         Self {
-            contacts: vec![0.0; contacts],
+            sources: vec![0.0; sources],
             others: 0.0,
             ports: 0.0,
             created: 0.0,
         }
     }
 
-    /// Continues with other `ledger` of the same number of contacts, from `created` `[J]`. It does not allocate.
+    /// Continues with other `ledger` of the same number of contacts and fields, from `created` `[J]`. It does not allocate.
     pub fn resume(&mut self, ledger: &EnergyLedger, created: f64) {
-        for (before, entry) in self.contacts.iter_mut().zip(&ledger.contacts) {
-            *before = entry.created();
+        let contacts = ledger.contacts.iter().map(ContactLedger::created);
+        let sources = contacts.chain(ledger.fields.iter().map(FieldLedger::created));
+        for (before, created) in self.sources.iter_mut().zip(sources) {
+            *before = created;
         }
         self.others = ledger.created_otherwise();
         self.ports = ledger.at_ports();
         self.created = created;
     }
 
-    /// Updates the sum at a sample. `contacts`: index of each contact with a changed entry, the energy that it generated,
+    /// Updates the sum at a sample. `sources`: index of each contact or field with a changed entry, the energy that it generated,
     /// and the fraction of its force that reached the device since the last sample. `ports`: work at the ports.
     /// `others`: energy generated otherwise, with its `part` `[J]`.
     pub fn close(
         &mut self,
-        contacts: impl Iterator<Item = (usize, f64, f64)>,
+        sources: impl Iterator<Item = (usize, f64, f64)>,
         ports: f64,
         (others, part): (f64, f64),
     ) {
-        for (number, now, part) in contacts {
-            let before = &mut self.contacts[number];
+        for (number, now, part) in sources {
+            let before = &mut self.sources[number];
             self.created += part * (now - *before);
             *before = now;
         }

@@ -137,6 +137,7 @@ impl EngineBody {
                 .turned(placed.orientation);
             let alone = World {
                 joints: Vec::new(),
+                fields: Vec::new(),
                 tools: tools.to_vec(),
                 bodies: vec![body],
                 contacts: vec![Contact {

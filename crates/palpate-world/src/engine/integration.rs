@@ -206,6 +206,7 @@ impl Meeting {
         Fastest {
             frequency: (most_square + most_drive).sqrt(),
             damping: most_damping,
+            passing: 0.0,
         }
     }
 

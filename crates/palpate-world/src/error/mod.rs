@@ -61,6 +61,8 @@ pub enum WorldPart {
     Contact(usize),
     /// The joint with this index, from 0.
     Joint(usize),
+    /// The field with this index, from 0.
+    Field(usize),
     /// The loop in which a world is rendered.
     Loop,
     /// The rendering method.

@@ -69,7 +69,7 @@ pub struct Effort {
     /// Number of sub-steps with a change of contact mode or face that were not refined, because the budget of
     /// [`SubSteps::refined`] was used up.
     pub unrefined: u32,
-    /// Whether the fastest contact or joint required more than [`SubSteps::most`]. With
+    /// Whether the fastest contact, joint or field required more than [`SubSteps::most`]. With
     /// [`Fault::Overflow`](palpate_core::Fault::Overflow) it is the reason for rejecting the sample.
     pub too_fast: bool,
     /// Whether the integration would be unstable even with four times [`SubSteps::most`]. The sample is then
@@ -150,12 +150,16 @@ pub(crate) struct Fastest {
     pub frequency: f64,
     /// Damping rate `[1/s]`.
     pub damping: f64,
+    /// Angular frequency at which a tool passes the detents of a field `[rad/s]`. It limits the error of a sub-step, but
+    /// not its stability.
+    pub passing: f64,
 }
 
 impl Fastest {
     /// Returns the number of sub-steps of an interval of `h` `[s]` that limits the phase `[rad]`.
     fn asks_for(self, h: f64, phase: f64) -> f64 {
-        self.frequency.max(self.damping / DAMPING_PER_FREQUENCY) * h / phase
+        let frequency = self.frequency.max(self.passing);
+        frequency.max(self.damping / DAMPING_PER_FREQUENCY) * h / phase
     }
 
     /// Returns whether sub-steps of `h` `[s]` are unstable.
@@ -408,9 +412,9 @@ fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 
     approach(first, second, one, other, h)
 }
 
-/// Returns bounds of the angular frequency and damping rate among the contacts that touch or may touch within `h`
+/// Returns bounds of the angular frequency and damping rate among the fields and the contacts that touch or may touch within `h`
 /// `[s]`. The bound over the two sides of a contact is the sum of stiffness or damping times mobility of all contacts
-/// there, plus the stiffest drive spring. The scratch buffers of `room` are overwritten.
+/// and fields there, plus the stiffest drive spring. The scratch buffers of `room` are overwritten.
 fn fastest(moving: &Moving, room: &mut Moving, points: &[Point], h: f64) -> Fastest {
     let Moving {
         rates: sums,
@@ -433,6 +437,14 @@ fn fastest(moving: &Moving, room: &mut Moving, points: &[Point], h: f64) -> Fast
     }
     for side in links.clone().flat_map(Link::sides) {
         sums[side] = (0.0, 0.0);
+    }
+    let fields = moving.fields.iter();
+    let fields = fields.filter(|field| moving.nearby.parts().contains(&field.tool));
+    for field in fields.clone() {
+        sums[field.tool] = (0.0, 0.0);
+    }
+    for field in fields.clone() {
+        sums[field.tool].0 += field.square(&moving.parts[field.tool]);
     }
     for (side, square, rate) in links.clone().flat_map(|link| link.rates(&moving.parts)) {
         sums[side].0 += square;
@@ -464,6 +476,11 @@ fn fastest(moving: &Moving, room: &mut Moving, points: &[Point], h: f64) -> Fast
         most_square = most_square.max(first.0 + second.0);
         most_damping = most_damping.max(first.1 + second.1);
     }
+    let mut passing: f64 = 0.0;
+    for field in fields {
+        most_square = most_square.max(sums[field.tool].0);
+        passing = passing.max(field.passing(&moving.parts[field.tool], h));
+    }
     let of_drives = |part: &Part| {
         let turning = part.turning_drive.stiffness * part.mobility.angular.max();
         part.drive.spring_rate.max().max(turning)
@@ -474,6 +491,7 @@ fn fastest(moving: &Moving, room: &mut Moving, points: &[Point], h: f64) -> Fast
     Fastest {
         frequency: (most_square + most_drive).sqrt(),
         damping: most_damping,
+        passing,
     }
 }
 

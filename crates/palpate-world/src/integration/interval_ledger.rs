@@ -5,7 +5,7 @@ use crate::dynamics::ledger::EnergyLedger;
 use crate::integration::moving::Moving;
 
 impl EnergyLedger {
-    /// Records the change in the energy stored at the points as external: proxies have been displaced from their
+    /// Records the change in the energy stored at the points and in the fields as external: proxies have been displaced from their
     /// expected positions and the contacts re-evaluated.
     pub(crate) fn observe(&mut self, moving: &Moving, points: &[Point]) {
         for &number in moving.nearby.recent() {
@@ -17,6 +17,7 @@ impl EnergyLedger {
             entry.observed += stored - entry.stored;
             entry.stored = stored;
         }
+        self.observe_fields(moving);
     }
 
     /// Records the motion of bodies and contacts over an interval, as in `moving`.
@@ -54,6 +55,7 @@ impl EnergyLedger {
             let given = entry.work - before.work + entry.dissipated - before.dissipated;
             entry.step_error += entry.stored - before.stored + given;
         }
+        self.pass_fields(moving);
         for (entry, part) in self.bodies.iter_mut().zip(&moving.parts[tools..]) {
             if part.is_settled {
                 continue;

@@ -1,5 +1,6 @@
 //! Integration of the motion over an interval between samples.
 
+mod fields;
 pub(crate) mod held_load;
 pub(crate) mod held_tools;
 pub(crate) mod interval;

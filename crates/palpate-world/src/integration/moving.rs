@@ -9,6 +9,7 @@ use crate::contact::point::{Met, Past, Touch};
 use crate::dynamics::joint_springs::Link;
 use crate::dynamics::linkage::Carried;
 use crate::dynamics::moving_body::{Part, TIME_TO_REST, Twist};
+use crate::dynamics::potentials::Potential;
 use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::Vector3;
 use crate::geometry::solid::{Nearest, Solid};
@@ -41,6 +42,8 @@ pub(crate) struct Moving {
     pub blocks: Vec<Blocks>,
     /// Springs of the joints.
     pub links: Vec<Link>,
+    /// Force fields.
+    pub fields: Vec<Potential>,
     /// Linkage motion of each tool's proxy with a position-dependent mass; empty if no tool has one.
     pub carried: Vec<Option<Carried>>,
     /// Whether sub-steps sum the work of each tool, body and contact.
@@ -72,6 +75,7 @@ impl Moving {
             blocks.copy_from(other);
         }
         self.links.copy_from_slice(&other.links);
+        self.fields.copy_from_slice(&other.fields);
     }
 
     /// Copies what an interval changes in the islands that are awake, without allocation. Both have the same active
@@ -120,6 +124,7 @@ impl Moving {
             self.blocks[number].copy_from(&other.blocks[number]);
         }
         self.links.copy_from_slice(&other.links);
+        self.fields.copy_from_slice(&other.fields);
     }
 
     /// Returns whether both parts of a point were at rest when the interval began, and still are.
@@ -145,6 +150,9 @@ impl Moving {
             let touch = &self.touches[number];
             sum += touch.bristle.sum() + touch.force.sum() + touch.past.work;
         }
+        for field in &self.fields {
+            sum += field.force.sum() + field.past.work;
+        }
         sum.is_finite()
     }
 
@@ -159,6 +167,9 @@ impl Moving {
         }
         for link in &mut self.links {
             link.begin();
+        }
+        for field in &mut self.fields {
+            field.begin();
         }
         for part in &mut self.parts {
             part.begin();
@@ -403,6 +414,7 @@ impl Moving {
         for &number in self.nearby.islands.all(Kind::Links) {
             self.links[number].meet(&mut self.parts);
         }
+        self.meet_fields();
     }
 
     /// Resets the loads of all parts, and evaluates the meshes and the pairs of blocks at the current positions.

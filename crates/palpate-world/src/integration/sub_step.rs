@@ -33,6 +33,7 @@ impl SubStepped for Moving {
         for &number in islands.all(Kind::Links) {
             self.links[number] = other.links[number];
         }
+        self.copy_near_fields_from(other);
     }
 
     fn sub_step(&mut self, points: &[Point], h: f64) {
@@ -50,6 +51,7 @@ impl SubStepped for Moving {
         modes.any(|&number| self.touches[number].changed_from(&other.touches[number]))
             || blocks.any(|&number| self.blocks[number].changed_from(&other.blocks[number]))
             || links.any(|&number| self.links[number].changed_from(&other.links[number]))
+            || self.has_changed_fields_from(other)
     }
 
     fn expect_the_missed(&mut self, is_added: bool) {
@@ -79,6 +81,7 @@ impl Moving {
         for &number in self.nearby.islands.all(Kind::Links) {
             self.links[number].entry(&self.parts, half);
         }
+        self.pull::<BOOKS>(half);
         self.elapsed += h;
         for &number in self.nearby.parts() {
             self.parts[number].drift(h);
@@ -99,6 +102,7 @@ impl Moving {
             self.links[number].watch_damping(&self.parts);
             self.links[number].entry(&self.parts, half);
         }
+        self.pull::<BOOKS>(half);
     }
 
     /// Adds the first half of a sub-step to the sums of the contacts.

@@ -13,7 +13,7 @@ use crate::{Effort, Vector, WorldError, WorldErrors, WorldField, WorldPart, Worl
 
 /// Parameters of basic rendering.
 ///
-/// The force on a tool is the contact force at the sample. Over the interval the bodies move against the tool at its
+/// The force on a tool is the force of contacts and fields at the sample. Over the interval the bodies move against the tool at its
 /// position at the sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BasicParams {
@@ -128,7 +128,7 @@ impl Basic {
         effort
     }
 
-    /// Adds the work of the held contact forces on the motion of the tools.
+    /// Adds the work of the held forces of contacts and fields on the motion of the tools.
     #[inline]
     fn hold_contacts(renderer: &WorldRenderer, state: &mut Progress, positions: &[Vector]) {
         for &number in state.now.nearby.recent() {
@@ -153,6 +153,19 @@ impl Basic {
                 }
                 entry.held += work;
                 state.ledger.devices[tool].held += work;
+            }
+        }
+        for (field, entry) in state.now.fields.iter().zip(&mut state.ledger.fields) {
+            let tool = field.tool;
+            let way = Vector3::from(positions[tool]) - state.now.parts[tool].rigid.position;
+            let work = field.force.dot(&way);
+            state.ledger.devices[tool].carried +=
+                renderer.axes[tool].across(&field.force).dot(&way);
+            entry.held += work;
+            state.ledger.devices[tool].held += work;
+            if field.is_supplied() {
+                entry.supplied += work;
+                entry.work += work;
             }
         }
     }
@@ -198,7 +211,7 @@ impl Basic {
         entry.unforeseen = entry.port_work + entry.carried - entry.held;
     }
 
-    /// Adds the energy that the motion of the tools has given to their contacts.
+    /// Adds the energy that the motion of the tools has given to their contacts and fields.
     #[inline]
     pub(super) fn account_contacts(renderer: &WorldRenderer, state: &mut Progress) {
         for &number in state.now.nearby.recent() {
@@ -212,6 +225,10 @@ impl Basic {
                 entry.dissipated += dissipated;
                 entry.stored = stored;
             }
+        }
+        for (field, entry) in state.now.fields.iter().zip(&mut state.ledger.fields) {
+            entry.work += entry.stored - field.stored;
+            entry.stored = field.stored;
         }
     }
 
@@ -231,6 +248,10 @@ impl Basic {
                     torque += (touch.place - part.rigid.position).cross(&on_tool);
                     touches = true;
                 }
+            }
+            for field in state.now.fields.iter().filter(|field| field.tool == tool) {
+                force += field.force;
+                touches |= field.acts();
             }
             if touches {
                 let of = |list: &[f64]| list.get(tool).copied().unwrap_or_default();

@@ -1,10 +1,10 @@
-//! Effect of the contacts on a tool over an interval.
+//! Effect of the contacts and fields on a tool over an interval.
 
 use crate::WorldRenderer;
 use crate::geometry::rigid::Vector3;
 use crate::integration::moving::Moving;
 
-/// Effect of the contacts on a tool over an interval.
+/// Effect of the contacts and fields on a tool over an interval.
 pub(super) struct Impulse {
     /// Impulse `[N s]`.
     pub linear: Vector3,
@@ -14,12 +14,12 @@ pub(super) struct Impulse {
     pub angular: Vector3,
     /// Work `[J]`.
     pub work: f64,
-    /// Whether the tool was touched.
+    /// Whether the tool was touched, or in a field.
     pub touched: bool,
 }
 
 impl Impulse {
-    /// Sums the effects of all contacts of `moving`.
+    /// Sums the effects of all contacts and fields of `moving`.
     pub fn on(moving: &Moving, renderer: &WorldRenderer, tool: usize) -> Self {
         let mut sum = Self {
             linear: Vector3::zeros(),
@@ -37,6 +37,12 @@ impl Impulse {
                 sum.work += touch.past.work_on_tool;
                 sum.touched |= !touch.is_apart() || touch.past.impulse != Vector3::zeros();
             }
+        }
+        for field in moving.fields.iter().filter(|field| field.tool == tool) {
+            sum.linear += field.past.impulse;
+            sum.moment += field.past.moment;
+            sum.work += field.past.work;
+            sum.touched |= field.acts();
         }
         sum
     }

@@ -107,7 +107,7 @@ pub(super) struct Turned {
 }
 
 impl ToolInterval<'_> {
-    /// Adds the work of the contacts' mean force on the device. Returns the work that rotated the proxy `[J]`.
+    /// Adds the work of the mean force of contacts and fields on the device. Returns the work that rotated the proxy `[J]`.
     #[inline]
     pub fn hold(&self, points: &[Point], moving: &Moving, ledger: &mut EnergyLedger) -> f64 {
         let Self {
@@ -137,6 +137,14 @@ impl ToolInterval<'_> {
                 contact.held += held;
                 entry.held += held;
             }
+        }
+        let fields = moving.fields.iter().zip(&mut ledger.fields);
+        for (field, of_field) in fields.filter(|(field, _)| field.tool == tool) {
+            let past = &field.past;
+            let lead = past.impulse * (0.5 * elapsed) - past.moment;
+            let held = past.impulse.dot(way) / elapsed - lead.dot(&self.bend);
+            of_field.held += held;
+            entry.held += held;
         }
         to_turn
     }

@@ -1,7 +1,8 @@
-//! Initial bodies and joint springs of a world.
+//! Initial bodies, joint springs and fields of a world.
 
 use crate::dynamics::joint_springs::{Link, links_of};
 use crate::dynamics::moving_body::{Drive, Part};
+use crate::dynamics::potentials::Potential;
 use crate::geometry::rigid::{Mobility, Rigid, Vector3};
 use crate::{Body, Motion, World};
 
@@ -17,6 +18,15 @@ pub(super) fn links(world: &World, parts: &[Part]) -> Vec<Link> {
             let sides = [number(&of.body), of.against.as_ref().and_then(number)];
             links_of(of, joint, sides, parts)
         })
+        .collect()
+}
+
+/// Returns the fields of a checked world.
+pub(super) fn fields(world: &World) -> Vec<Potential> {
+    let tool = |name: &String| world.tools.iter().position(|tool| tool.name == *name);
+    let fields = world.fields.iter();
+    fields
+        .filter_map(|field| Some(Potential::new(tool(&field.tool)?, field.kind)))
         .collect()
 }
 

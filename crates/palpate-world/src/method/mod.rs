@@ -34,7 +34,8 @@ use crate::geometry::rigid::Vector3;
 use crate::integration::held_tools::HeldTools;
 use crate::method::state::Progress;
 use crate::{
-    Effort, Limited, Tool, Vector, WorldError, WorldErrors, WorldField, WorldPart, WorldRenderer,
+    Effort, Field, Limited, Tool, Vector, WorldError, WorldErrors, WorldField, WorldPart,
+    WorldRenderer,
 };
 use basic::Basic;
 use coupled::{Coupled, CoupledMemory};
@@ -78,7 +79,27 @@ impl WorldMethod {
         }
     }
 
-    pub(crate) fn check(self, tools: &[Tool]) -> Result<Checked, WorldErrors> {
+    /// Returns the fault if the method does not render force fields and the world has some.
+    fn check_fields(&self, fields: &[Field]) -> Result<(), WorldError> {
+        if fields.is_empty() || matches!(self, Self::Basic(_) | Self::Coupled(_)) {
+            return Ok(());
+        }
+        let message = format!(
+            "{} renders no force fields, and the world has {}; use coupled, basic or virtual-damper, or remove the \
+             fields",
+            self.name(),
+            fields.len()
+        );
+        Err(WorldError::new(
+            WorldPart::Method,
+            WorldField::Method,
+            "the method",
+            message,
+        ))
+    }
+
+    pub(crate) fn check(self, tools: &[Tool], fields: &[Field]) -> Result<Checked, WorldErrors> {
+        self.check_fields(fields)?;
         match self {
             Self::Basic(params) => params.check(tools.len()).map(Checked::Basic),
             Self::VirtualCoupling(params) => params.check(tools).map(Checked::VirtualCoupling),

@@ -15,9 +15,11 @@ use crate::device::guard::Account;
 use crate::device::tracking::Tracking;
 use crate::dynamics::joint_springs::Link;
 use crate::dynamics::ledger::{
-    BodyLedger, ContactLedger, CreatedAtPorts, Departed, DeviceLedger, EnergyLedger, JointLedger,
+    BodyLedger, ContactLedger, CreatedAtPorts, Departed, DeviceLedger, EnergyLedger, FieldLedger,
+    JointLedger,
 };
 use crate::dynamics::moving_body::{Drive, Part};
+use crate::dynamics::potentials::Potential;
 use crate::geometry::axes::Axes;
 use crate::geometry::mesh::Surface;
 use crate::geometry::rigid::{Mobility, Rigid, Vector3};
@@ -25,7 +27,7 @@ use crate::integration::interval::would_grow;
 use crate::integration::moving::{Moving, Room};
 use crate::integration::yielding::ForceLimit;
 use crate::method::far_side::Entry;
-use crate::method::initial::{links, part_of};
+use crate::method::initial::{fields, links, part_of};
 use crate::method::lines::{self, Slopes};
 use crate::method::state::{ContactState, Progress, Shown, ToolState, WorldState, body_state};
 use crate::method::{Checked, Memory, WorldMethod};
@@ -56,6 +58,7 @@ pub struct WorldRenderer {
     pub(crate) blocks: Vec<Blocks>,
     pub(crate) links: Vec<Link>,
     joints: usize,
+    fields: Vec<Potential>,
     method: Checked,
 }
 
@@ -100,7 +103,7 @@ impl WorldRenderer {
         faults.extend(loop_params.faults(tools));
         let described = method.into();
         faults.extend(lines::faults(&world.tools, &loop_params, &described));
-        let method = described.clone().check(&world.tools);
+        let method = described.clone().check(&world.tools, &world.fields);
         if let Ok(method) = &method {
             for (tool, mobility) in mobilities[..tools].iter_mut().enumerate() {
                 mobility.angular = method.angular_mobility(tool);
@@ -160,6 +163,7 @@ impl WorldRenderer {
             blocks: found.blocks,
             links,
             joints: world.joints.len(),
+            fields: fields(world),
             method,
         })
     }
@@ -191,6 +195,7 @@ impl WorldRenderer {
             surfaces: self.surfaces.clone(),
             blocks: self.blocks.clone(),
             links: self.links.clone(),
+            fields: self.fields.clone(),
             carried: vec![None; self.carried()],
             keeps_books: true,
             expects_the_missed: false,
@@ -240,7 +245,7 @@ impl WorldRenderer {
                 numbers: List::new(self.points.len()),
                 sides: vec![Entry::default(); self.points.len()],
             },
-            at_ports: CreatedAtPorts::none(self.points.len()),
+            at_ports: CreatedAtPorts::none(self.points.len() + self.fields.len()),
             ledger: EnergyLedger {
                 contacts: vec![ContactLedger::default(); self.points.len()],
                 bodies: bodies
@@ -251,6 +256,7 @@ impl WorldRenderer {
                     })
                     .collect(),
                 joints: self.joints_at_start(),
+                fields: vec![FieldLedger::default(); self.fields.len()],
                 devices: vec![DeviceLedger::default(); self.tools],
                 gone: Departed::default(),
             },
@@ -555,6 +561,12 @@ impl WorldRenderer {
             state.guard.appeared(-entry.stored);
             entry.stored = 0.0;
         }
+        for entry in &mut state.ledger.fields {
+            entry.observed -= entry.stored;
+            state.guard.appeared(-entry.stored);
+            entry.stored = 0.0;
+        }
+        state.now.fields.copy_from_slice(&self.fields);
         for (number, entry) in state.ledger.joints.iter_mut().enumerate() {
             let links = state.now.links.iter().filter(|link| link.joint == number);
             let stored: f64 = links.map(|link| link.stored).sum();

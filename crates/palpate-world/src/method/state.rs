@@ -84,9 +84,14 @@ impl Progress {
             let created = self.ledger.contacts[number].created();
             (number, created, part(first).min(part(second)))
         });
+        let fields = self.now.fields.iter().zip(&self.ledger.fields).enumerate();
+        let fields = fields.map(|(number, (field, entry))| {
+            let number = self.contacts.len() + number;
+            (number, entry.created(), part(&Side::Tool(field.tool)))
+        });
         let otherwise = (self.ledger.created_otherwise(), 1.0);
         self.at_ports
-            .close(contacts, self.ledger.at_ports(), otherwise);
+            .close(contacts.chain(fields), self.ledger.at_ports(), otherwise);
     }
 }
 

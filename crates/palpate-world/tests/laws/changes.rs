@@ -227,6 +227,7 @@ pub fn pendulum() -> World {
     World {
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.005 })],
         bodies: vec![block("block").at([0.0, 0.0, -0.05])],
+        fields: Vec::new(),
         joints: vec![Joint {
             body: "block".into(),
             against: None,

@@ -21,6 +21,7 @@ fn between(one: Party, other: Party, stiffness: f64) -> Contact {
 fn a_world(contacts: Vec<Contact>) -> World {
     World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.0 })],
         bodies: vec![Body::new("ball", BALL, Motion::Free(Free::of_mass(0.1)))],
         contacts,

@@ -156,6 +156,7 @@ fn with_world_of(tool: Tool, law: ContactLaw, period: f64, samples: usize) -> Ve
     let ball = Free::of_mass(MASS).pulled_by([0.0, 0.0, WEIGHT * MASS]);
     let world = World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![tool],
         bodies: vec![
             Body::new("ball", Shape::Sphere { radius: RADIUS }, Motion::Free(ball))

@@ -36,6 +36,7 @@ fn there(state: &WorldState, at_start: f64) -> f64 {
 fn corner(law: ContactLaw) -> World {
     World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.005 })],
         bodies: vec![
             plane("floor", [0.0, 0.0, 1.0]),
@@ -181,6 +182,7 @@ fn crowd() -> World {
     let weight = Free::of_mass(0.05).pulled_by([0.0, 0.0, -0.5]);
     World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![
             Tool::new("block", block).turning(),
             Tool::new("finger", Shape::Sphere { radius: 0.004 }),

@@ -206,6 +206,7 @@ struct Target {
 fn corner(stiffness: f64, method: usize) -> (World, Vec<Vector>, WorldMethod) {
     let world = World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.005 })],
         bodies: vec![
             plane("floor", [0.0, 0.0, 1.0]),
@@ -239,6 +240,7 @@ fn crowd(method: usize) -> (World, Vec<Vector>, WorldMethod) {
     let weight = Free::of_mass(0.05).pulled_by([0.0, 0.0, -0.5]);
     let world = World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![
             Tool::new("block", block).turning(),
             Tool::new("finger", Shape::Sphere { radius: 0.004 }),

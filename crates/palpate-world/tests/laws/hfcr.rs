@@ -314,6 +314,7 @@ fn crowd(law: ContactLaw) -> World {
     let light = Free::of_mass(0.03).moving([0.0, 0.0, 0.1]);
     World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools,
         bodies: vec![
             plane("floor", [0.0, 0.0, 1.0]),

@@ -38,6 +38,7 @@ fn joint(
 
 fn started(bodies: Vec<Body>, joints: Vec<Joint>) -> (WorldRenderer, WorldState) {
     let world = World {
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.005 })],
         bodies,
         joints,
@@ -230,6 +231,7 @@ fn a_button_pressed_for_a_minute_does_not_creep() {
     let world = World {
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.005 })],
         bodies: vec![block("one", 0.02, |free| free.pulled_by(weight))],
+        fields: Vec::new(),
         joints: vec![joint(
             JointKind::Slider,
             None,

@@ -23,6 +23,7 @@ fn crowd(law: ContactLaw) -> World {
     let half: f64 = 0.4;
     World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![
             Tool::new("left", Shape::Sphere { radius: 0.006 }),
             Tool::new("right", Shape::Sphere { radius: 0.0 }),
@@ -365,6 +366,7 @@ fn what_held_forces_created_is_what_the_device_has_gained() {
     ] {
         let world = World {
             joints: Vec::new(),
+            fields: Vec::new(),
             tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.005 })],
             bodies: vec![plane("floor", [0.0, 0.0, 1.0])],
             contacts: vec![palpate_world::Contact {

@@ -19,6 +19,7 @@ mod engine;
 mod engine_convex;
 mod engine_sub_steps;
 mod far_side;
+mod fields;
 mod floor;
 mod god_object;
 mod grasp;

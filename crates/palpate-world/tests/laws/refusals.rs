@@ -18,6 +18,7 @@ fn a_world() -> World {
     };
     World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.01 })],
         bodies: vec![
             Body::new("floor", half_space, Motion::Fixed),

@@ -253,6 +253,7 @@ pub fn as_world(case: &Case) -> World {
     let tool = Tool::new("tool", case.shape.clone());
     World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![if case.rigid.led {
             tool.turned_by_hand()
         } else {

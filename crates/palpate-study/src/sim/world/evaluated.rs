@@ -5,7 +5,7 @@ use std::sync::Arc;
 use palpate_scene::world::{DeviceTurning, Tremor, WorldDevice, WorldScene};
 use palpate_testbed::hand::Sinusoid;
 use palpate_testbed::world as reference;
-use palpate_world::{Body, Joint, JointKind, MassTable, Motion, Shape, Tool};
+use palpate_world::{Body, Field, FieldKind, Joint, JointKind, MassTable, Motion, Shape, Tool};
 
 /// Returns the scene for the reference solution: every pair that has a law and at least one movable member.
 #[must_use]
@@ -48,6 +48,11 @@ pub fn as_evaluated(scene: &WorldScene) -> reference::WorldScene {
         }
     }
     reference::WorldScene {
+        fields: world
+            .fields
+            .iter()
+            .map(|field| reference_field(field, &world.tools))
+            .collect(),
         joints: world
             .joints
             .iter()
@@ -79,6 +84,55 @@ fn reference_joint(joint: &Joint, bodies: &[Body]) -> reference::WorldJoint {
         rest: law.rest,
         along_damping: law.along_damping,
         limits: law.limits,
+    }
+}
+
+/// The field with the number of its device; a checked world has a tool of this name.
+fn reference_field(field: &Field, tools: &[Tool]) -> reference::ForceField {
+    let spring = |to, at, stiffness, range| reference::Potential::Spring {
+        to,
+        at,
+        stiffness,
+        range,
+    };
+    let device = tools.iter().position(|tool| tool.name == field.tool);
+    reference::ForceField {
+        device: device.unwrap_or(tools.len()),
+        potential: match field.kind {
+            FieldKind::Point {
+                at,
+                stiffness,
+                range,
+            } => spring(reference::Attractor::Point, at, stiffness, range),
+            FieldKind::Line {
+                at,
+                axis,
+                stiffness,
+                range,
+            } => spring(reference::Attractor::Line(axis), at, stiffness, range),
+            FieldKind::Plane {
+                at,
+                normal,
+                stiffness,
+                range,
+            } => spring(reference::Attractor::Plane(normal), at, stiffness, range),
+            FieldKind::Detents {
+                at,
+                axis,
+                positions,
+                period,
+                amplitude,
+                stiffness,
+            } => reference::Potential::Detents {
+                at,
+                axis,
+                positions,
+                period,
+                amplitude,
+                stiffness,
+            },
+            FieldKind::Constant { force } => reference::Potential::Constant { force },
+        },
     }
 }
 

@@ -50,6 +50,7 @@ pub fn as_rendered(scene: &reference::WorldScene) -> World {
         },
     });
     World {
+        fields: Vec::new(),
         joints: scene.joints.iter().map(|of| joint(scene, of)).collect(),
         tools: tools.collect(),
         bodies: scene.bodies.iter().map(body).collect(),

@@ -130,6 +130,7 @@ impl Scene {
             bodies,
             pairs,
             joints: Vec::new(),
+            fields: Vec::new(),
         };
         let mesh = (body == Body::Bumps).then(|| {
             let (vertices, faces) = bumps();

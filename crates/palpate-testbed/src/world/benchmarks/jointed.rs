@@ -26,6 +26,7 @@ fn scene(
             ..fixed(shape)
         }],
         pairs: vec![pair(Member::Device(0), Member::Body(0), law)],
+        fields: Vec::new(),
         joints: vec![joint],
     }
 }

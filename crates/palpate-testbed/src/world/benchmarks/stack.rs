@@ -33,6 +33,7 @@ pub fn stack() -> Benchmark {
         title: "A tool presses on a stack of three boxes and pushes it sideways".into(),
         scene: WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             devices: vec![tool],
             bodies: vec![
                 block("lower", [0.0, 0.0, 0.009_816_06], [1.0, 0.0]),

@@ -19,6 +19,7 @@ fn falling(below: WorldBody, law: ContactLaw) -> WorldScene {
     moves.force = [0.0, 0.0, -0.981];
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![],
         bodies: vec![falls, below],
         pairs: vec![pair(Member::Body(0), Member::Body(1), law)],
@@ -113,6 +114,7 @@ fn two_boxes_keep_energy_momentum_and_angular_momentum() {
             );
             let scene = WorldScene {
                 joints: Vec::new(),
+                fields: Vec::new(),
                 devices: vec![],
                 bodies: vec![one, other],
                 pairs: vec![pair(Member::Body(0), Member::Body(1), law)],

@@ -28,6 +28,7 @@ fn scene() -> WorldScene {
     motion(&mut ball).force = [0.0, 0.0, -0.981];
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![tool],
         bodies: vec![ball, half_space([0.0, 0.0, 1.0], 0.0)],
         pairs: vec![

@@ -56,6 +56,7 @@ fn a_large_box_bears_a_capsule_as_a_half_space_does() {
         moves.force = [0.0, 0.0, -0.981];
         let scene = WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             devices: vec![],
             bodies: vec![falls, below],
             pairs: vec![pair(Member::Body(0), Member::Body(1), law)],
@@ -105,6 +106,7 @@ fn a_capsule_keeps_energy_momentum_and_angular_momentum() {
                 let other = of(other.clone(), 0.06, place, [0.732, 0.236, 0.142], 0.4);
                 let scene = WorldScene {
                     joints: Vec::new(),
+                    fields: Vec::new(),
                     devices: vec![],
                     bodies: vec![one, other],
                     pairs: vec![pair(Member::Body(0), Member::Body(1), law)],

@@ -24,6 +24,7 @@ fn billiard(damping: f64) -> WorldScene {
     tool.tool = Tool::sphere(0.003);
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         pairs: (0..3)
             .map(|ball| pair(Member::Device(0), Member::Body(ball), law))
             .collect(),

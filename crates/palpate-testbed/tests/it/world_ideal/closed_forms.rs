@@ -14,6 +14,7 @@ fn a_damped_bounce_ends_where_its_force_is_zero() {
         device.velocity[2] = -speed;
         let scene = WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             devices: vec![device],
             bodies: vec![half_space([0.0, 0.0, 1.0], 0.0)],
             pairs: vec![pair(
@@ -66,6 +67,7 @@ fn a_hand_with_a_tremor_moves_its_device_as_a_driven_oscillator() {
     let masses = device.mass;
     let scene = WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![device],
         ..WorldScene::default()
     };
@@ -106,6 +108,7 @@ fn a_free_top_precesses_about_its_angular_momentum() {
     let inertia = shape.inertia(0.2);
     let scene = WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         bodies: vec![top],
         ..WorldScene::default()
     };
@@ -138,6 +141,7 @@ fn a_box_that_lies_flat_has_the_whole_law() {
     motion(&mut block).force[2] = -0.4905;
     let scene = WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         bodies: vec![block, half_space([0.0, 0.0, 1.0], 0.0)],
         pairs: vec![pair(
             Member::Body(0),
@@ -168,6 +172,7 @@ fn a_graze_within_one_step_is_seen() {
     tool.hand.force[2] = pull;
     let scene = WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![tool],
         bodies: vec![half_space([0.0, 0.0, 1.0], 0.0)],
         // So soft that it changes nothing of the parabola.
@@ -201,6 +206,7 @@ fn a_point_in_a_box_leaves_it_through_the_nearest_face() {
     let law = ContactLaw::spring(1.0);
     let scene = WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![tool],
         bodies: vec![fixed],
         pairs: vec![pair(Member::Device(0), Member::Body(0), law)],
@@ -253,6 +259,7 @@ fn a_half_space_lies_where_its_body_does() {
         motion(&mut block).force = [0.0, 0.0, -0.981];
         let scene = WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             devices: vec![tool],
             bodies: vec![plane, block],
             pairs: vec![

@@ -22,6 +22,7 @@ fn crash(other: Shape, law: ContactLaw) -> WorldScene {
         .to_vec();
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![],
         bodies: vec![thing, a, b],
         pairs,
@@ -133,6 +134,7 @@ fn the_hand_pays_for_what_a_push_takes() {
     let law = ContactLaw::spring(4000.0).rough(0.4, 2000.0).damped(0.5);
     let scene = WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![tool],
         bodies: vec![ball, half_space([0.0, 0.0, 1.0], 0.0)],
         pairs: vec![

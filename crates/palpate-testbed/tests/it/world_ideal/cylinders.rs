@@ -39,6 +39,7 @@ pub fn heavy(height: f64) -> WorldBody {
 pub fn on(below: WorldBody, above: WorldBody, law: ContactLaw) -> WorldScene {
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![],
         bodies: vec![above, below],
         pairs: vec![pair(Member::Body(0), Member::Body(1), law)],
@@ -287,6 +288,7 @@ fn a_tool_that_is_a_cylinder_pays_for_what_it_pushes() {
     let law = ContactLaw::spring(4000.0).rough(0.4, 2000.0).damped(2.0);
     let scene = WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![tool],
         bodies: vec![block, floor()],
         pairs: vec![
@@ -395,6 +397,7 @@ pub fn colliding(other: &Shape, case: u8, law: ContactLaw) -> WorldScene {
     let first = case as usize % 2;
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![],
         bodies: vec![one, other],
         pairs: vec![pair(Member::Body(first), Member::Body(1 - first), law)],

@@ -25,6 +25,7 @@ fn a_ball_rolls_or_slides_down_a_slope() {
             .rough(friction, stiffness);
         let scene = WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             bodies: vec![ball, half_space([0.0, 0.0, 1.0], 0.0)],
             pairs: vec![pair(Member::Body(1), Member::Body(0), law)],
             ..WorldScene::default()
@@ -63,6 +64,7 @@ fn a_sliding_block_stops_where_friction_has_taken_its_energy() {
         .rough(friction, stiffness);
     let scene = WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         bodies: vec![block, half_space([0.0, 0.0, 1.0], 0.0)],
         pairs: vec![pair(Member::Body(0), Member::Body(1), law)],
         ..WorldScene::default()
@@ -105,6 +107,7 @@ fn a_block_that_friction_holds_swings_by_the_damping_of_its_bristle() {
     };
     let scene = WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         bodies: vec![block, half_space([0.0, 0.0, 1.0], 0.0)],
         pairs: vec![pair(Member::Body(0), Member::Body(1), law)],
         ..WorldScene::default()
@@ -137,6 +140,7 @@ fn a_point_sticks_up_to_the_limit_and_slides_beyond_it() {
         let law = ContactLaw::spring(4000.0).rough(0.3, 2000.0);
         let scene = WorldScene {
             joints: Vec::new(),
+            fields: Vec::new(),
             devices: vec![tool],
             bodies: vec![half_space([0.0, 0.0, 1.0], 0.0)],
             pairs: vec![pair(Member::Device(0), Member::Body(0), law)],

@@ -29,6 +29,7 @@ fn joint(freedom: Freedom, against: Option<usize>) -> WorldJoint {
 fn a_slider_swings_on_its_spring_with_damping_and_goes_as_far_beyond_a_stop_as_that_gives_way() {
     let scene = |joint| WorldScene {
         bodies: vec![body(SHAPE, 0.1, [0.0; 3])],
+        fields: Vec::new(),
         joints: vec![joint],
         ..WorldScene::default()
     };
@@ -94,6 +95,7 @@ fn two_bodies_on_a_joint_keep_momentum_angular_momentum_and_energy() {
             motion(&mut bodies[1]).angular_velocity = [-2.0, 1.0, 3.0];
             let scene = WorldScene {
                 bodies,
+                fields: Vec::new(),
                 joints: vec![held],
                 ..WorldScene::default()
             };

@@ -9,6 +9,7 @@ mod chaos;
 mod closed_forms;
 mod conservation;
 mod cylinders;
+mod fields;
 mod friction;
 mod hands;
 mod joints;

@@ -46,6 +46,7 @@ fn world(scene: &PointMassScene) -> WorldScene {
     let law = ContactLaw::spring(scene.stiffness);
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![device],
         bodies: vec![object],
         pairs: vec![pair(Member::Body(0), Member::Device(0), law)],

@@ -36,6 +36,7 @@ fn tetrahedron() -> Shape {
 fn scene() -> WorldScene {
     WorldScene {
         joints: Vec::new(),
+        fields: Vec::new(),
         devices: vec![device(0.1, [0.0; 3]), device(0.1, [0.1, 0.0, 0.0])],
         bodies: vec![
             body(BOX, 0.1, [0.0, 0.1, 0.0]),

@@ -59,6 +59,7 @@ impl WorldRenderer {
     /// - The method may differ in kind or settings. It then starts with the devices at rest at the last sample.
     /// - The guard may differ. It then starts with the current energy of bodies, contacts and joints.
     /// - Forces in the actuation delay stay there if period and actuators are the same in both loops.
+    /// - The field with the same index continues.
     /// - A new joint takes its point and axis from this world, and holds the bodies at their current poses.
     pub fn resume(
         &self,
@@ -169,6 +170,12 @@ impl WorldRenderer {
             entry.outside += entry.observed - before;
             entry.observed = before;
         }
+        for (number, entry) in state.progress.ledger.fields.iter_mut().enumerate() {
+            let before = old.ledger.fields.get(number);
+            let before = before.map_or(0.0, |entry| entry.observed);
+            entry.outside += entry.observed - before;
+            entry.observed = before;
+        }
         self.publish(&mut state.progress, &state.memory);
     }
 
@@ -248,9 +255,15 @@ impl WorldRenderer {
             link.stored = seen.stored;
             link.load(&mut now.parts);
         }
+        if state.tracking.in_progress {
+            now.fields.copy_from_slice(&room.fields);
+            for field in &now.fields {
+                now.parts[field.tool].force += field.force;
+            }
+        }
     }
 
-    /// Records the change in the stored energy of contacts and joints as external. Returns its sum `[J]`.
+    /// Records the change in the stored energy of contacts, joints and fields as external. Returns its sum `[J]`.
     fn record_stored(&self, state: &mut Progress) -> f64 {
         let mut appeared = 0.0;
         for (number, (entry, point)) in state
@@ -280,11 +293,18 @@ impl WorldRenderer {
             appeared += stored - entry.stored;
             entry.stored = stored;
         }
+        if state.tracking.in_progress {
+            for (entry, field) in state.ledger.fields.iter_mut().zip(&state.now.fields) {
+                entry.outside += field.stored - entry.stored;
+                appeared += field.stored - entry.stored;
+                entry.stored = field.stored;
+            }
+        }
         appeared
     }
 }
 
-/// Copies the ledgers of devices and of continued contacts, joints and bodies.
+/// Copies the ledgers of devices and of continued contacts, joints, fields and bodies.
 fn carry_ledger(new: &mut Progress, old: &Progress, succession: &Succession) {
     let ledger = &mut new.ledger;
     ledger.gone = old.ledger.gone;
@@ -303,6 +323,8 @@ fn carry_ledger(new: &mut Progress, old: &Progress, succession: &Succession) {
     } = succession;
     carry(&mut ledger.joints, &old.ledger.joints, &joints.each);
     carry(&mut ledger.bodies, &old.ledger.bodies, &bodies.each);
+    let fields = ledger.fields.iter_mut().zip(&old.ledger.fields);
+    fields.for_each(|(entry, was)| *entry = *was);
     let stored = ledger.take_leave(
         &old.ledger,
         points.gone(old.ledger.contacts.len()),

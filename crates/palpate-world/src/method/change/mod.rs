@@ -27,6 +27,7 @@ impl WorldRenderer {
     ///   changes.
     /// - A body with a new name starts in its state in `world`.
     /// - A pair keeps its bristle if both shapes are unchanged. Its law is taken from `world`.
+    /// - The field with the same index continues, and its potential is taken from `world`.
     /// - A joint with the same bodies, kind, point, axis and span keeps its coordinate. Any other joint is new: its
     ///   point and axis apply to the current poses of the bodies.
     ///

@@ -76,6 +76,7 @@ pub fn plane(name: &str, normal: Vector, offset: f64) -> Body {
 pub fn world(radius: f64, bodies: Vec<Body>, law: ContactLaw) -> World {
     World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius })],
         bodies,
         contacts: vec![Contact {

@@ -283,6 +283,7 @@ fn ledger_of_mesh_tool_with_shell_closes() {
             law,
         }],
         joints: Vec::new(),
+        fields: Vec::new(),
     };
     let method = CoupledParams::new(vec![[0.15; 3]]).with_device_inertia(vec![[4e-5; 3]]);
     let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
