@@ -169,7 +169,9 @@ fn put<'a>(
         return Ok(());
     }
     if !table.contains_key(first.as_str()) {
-        if at.is_empty() && ["device", "body", "contact", "joint"].contains(&first.as_str()) {
+        if at.is_empty()
+            && ["device", "body", "contact", "joint", "field"].contains(&first.as_str())
+        {
             return Err(format!("the scene has no [[{first}]]"));
         }
         let key = Spanned::new(span.clone(), DeString::Borrowed(first));

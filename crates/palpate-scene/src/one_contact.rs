@@ -76,6 +76,9 @@ impl RawScene {
         if let Some(joint) = self.joint.first() {
             return Err(NotOneContact::new(joint.span(), "the scene has a joint"));
         }
+        if let Some(field) = self.field.first() {
+            return Err(NotOneContact::new(field.span(), "the scene has a field"));
+        }
         let span = body.span();
         let body = body.get_ref();
         let moves_alike = body.axes.as_ref().map(|body| *body.get_ref() == axes);

@@ -11,6 +11,7 @@ use crate::model::RawModel;
 use crate::raw_settings::RawSettings;
 use crate::render_key::RawRender;
 use crate::timing::RawLoop;
+use crate::world::field::RawField;
 use crate::world::joint::RawJoint;
 use crate::world::pair::Pair;
 use crate::world::per_axis::DeviceAxes;
@@ -33,6 +34,8 @@ pub(crate) struct RawScene {
     pub contact: Vec<Spanned<RawContact>>,
     #[serde(default)]
     pub joint: Vec<Spanned<RawJoint>>,
+    #[serde(default)]
+    pub field: Vec<Spanned<RawField>>,
     #[serde(default)]
     pub model: RawModel,
     #[serde(default)]

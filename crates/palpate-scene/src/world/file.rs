@@ -189,11 +189,16 @@ impl Reading {
         let contacts = raw.contact.into_iter().enumerate();
         let contacts = contacts.map(|(index, contact)| self.contact(index, contact));
         let contacts: Vec<Contact> = contacts.collect();
-        if contacts.is_empty() {
-            let note = "the world has no [[contact]], so nothing in it is felt".into();
-            self.notes.push(note);
-        } else if bodies.is_empty() {
-            let note = "the world has no [[body]], so nothing in it is felt".into();
+        let fields = raw.field.into_iter().enumerate();
+        let fields = fields.map(|(index, field)| self.field(index, field));
+        let fields: Vec<_> = fields.collect();
+        let missing = if contacts.is_empty() {
+            Some("[[contact]]")
+        } else {
+            bodies.is_empty().then_some("[[body]]")
+        };
+        if let Some(missing) = missing.filter(|_| fields.is_empty()) {
+            let note = format!("the world has no {missing}, so nothing in it is felt");
             self.notes.push(note);
         }
         let joints = raw.joint.into_iter().enumerate();
@@ -201,7 +206,7 @@ impl Reading {
         let joints = joints.collect();
         let world = World {
             joints,
-            fields: Vec::new(),
+            fields,
             tools,
             bodies,
             contacts,

@@ -1,6 +1,7 @@
 //! Scenes that the world renderer renders: several devices, bodies and contacts in space.
 
 pub(crate) mod device;
+pub(crate) mod field;
 mod file;
 mod guard;
 mod hand;

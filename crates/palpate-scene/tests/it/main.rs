@@ -6,5 +6,6 @@ mod edits;
 mod mesh_files;
 mod obj_files;
 mod scene_files;
+mod world_fields;
 mod world_joints;
 mod worlds;

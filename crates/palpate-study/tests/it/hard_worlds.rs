@@ -463,3 +463,24 @@ fn a_marble_that_rolls_in_a_bowl_is_near_the_floor() {
     println!("bowl: E basic {basic:.0} %, coupled {coupled:.2} %");
     assert!(coupled < 3.0 && basic > 20.0);
 }
+
+/// The committed scene of detents: its device has two thirds of the mass that the renderer is told.
+#[test]
+fn a_slider_on_detents_is_followed_and_basic_adds_energy() {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../experiments/worlds/detent.toml");
+    let source = std::fs::read_to_string(file).unwrap();
+    let run = coupled(&source);
+    let scene = scene(&source);
+    let basic = WorldBench::new(&scene).unwrap();
+    let basic = basic
+        .run("basic", &scene.renderer("basic").unwrap())
+        .unwrap();
+    println!(
+        "detent: E {:.3} %, basic {:.1} %",
+        error(&run),
+        error(&basic)
+    );
+    assert!(error(&run) < 1.0, "{}", error(&run));
+    assert!(error(&basic) > 5.0 * error(&run));
+}
