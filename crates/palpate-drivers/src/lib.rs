@@ -13,4 +13,6 @@ pub mod force_dimension;
 pub mod inverse3;
 pub mod plugin;
 pub mod prepared;
+#[cfg(unix)]
+mod serial;
 pub mod two_diy;

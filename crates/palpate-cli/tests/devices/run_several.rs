@@ -363,7 +363,8 @@ fn what_ends_a_loop_takes_the_force_off_both() {
 #[cfg(target_os = "linux")]
 #[test]
 fn the_watchdog_of_each_board_takes_its_torque_off() {
-    use palpate_drivers::emulator::two_diy::{Emulator, Hand, PortSettings, Settings};
+    use palpate_drivers::emulator::port::PortSettings;
+    use palpate_drivers::emulator::two_diy::{Emulator, Hand, Settings};
     use palpate_drivers::two_diy::{Board, Generation};
     let folder = Folder::new();
     folder.write("walls.toml", TWO_WALLS);

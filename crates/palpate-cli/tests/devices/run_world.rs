@@ -230,7 +230,8 @@ fn an_inverse3_presses_a_ball_on_a_table() {
 /// Records a 2DIY whose hand moves it 32 mm away from its base, into a block before a wall, as `block.mcap`.
 #[cfg(unix)]
 fn record_the_block(folder: &Folder) -> Answer {
-    use palpate_drivers::emulator::two_diy::{self, Hand, PortSettings, Settings};
+    use palpate_drivers::emulator::port::PortSettings;
+    use palpate_drivers::emulator::two_diy::{self, Hand, Settings};
     use palpate_drivers::two_diy::{Board, Generation};
     // The hand starts at the tool's position.
     let settings = Settings {

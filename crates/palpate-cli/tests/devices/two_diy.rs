@@ -11,7 +11,8 @@ use std::time::{Duration, Instant};
 
 use crate::common::running::{Running, program};
 use crate::common::{Answer, Folder, experiment_text, number, parse};
-use palpate_drivers::emulator::two_diy::{Emulator, Fault, Hand, PortSettings, Settings};
+use palpate_drivers::emulator::port::PortSettings;
+use palpate_drivers::emulator::two_diy::{Emulator, Fault, Hand, Settings};
 use palpate_drivers::two_diy::{Board, Generation};
 use palpate_record::recording::{Entry, Recording};
 

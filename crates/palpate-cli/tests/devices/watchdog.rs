@@ -17,9 +17,8 @@ use std::time::{Duration, Instant};
 
 use crate::common::running::{Running, program};
 use crate::common::{Folder, experiment_text, number, parse};
-use palpate_drivers::emulator::two_diy::{
-    Did, Emulator, Fault, Hand, PortSettings, Seen, Settings,
-};
+use palpate_drivers::emulator::port::PortSettings;
+use palpate_drivers::emulator::two_diy::{Did, Emulator, Fault, Hand, Seen, Settings};
 use palpate_drivers::two_diy::{Board, Generation};
 use processes::{children, is_held};
 use signals::{Does, signals};

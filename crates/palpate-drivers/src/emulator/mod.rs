@@ -7,4 +7,6 @@
 pub mod force_dimension;
 pub mod inverse3;
 #[cfg(unix)]
+pub mod port;
+#[cfg(unix)]
 pub mod two_diy;

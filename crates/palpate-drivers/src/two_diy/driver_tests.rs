@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use palpate_device::clock::MonotonicClock;
 
 use super::super::packet::STATE_LENGTH;
-use super::super::serial::Serial;
 use super::*;
-use crate::emulator::two_diy::Pty;
+use crate::emulator::port::Pty;
+use crate::serial::Serial;
 use crate::two_diy::Generation;
 
 const START: [f32; 2] = [130.0, 50.0];

@@ -18,7 +18,7 @@ use palpate_rt::watchdog::{Unguarded, Watchdog};
 
 use super::layout::Layout;
 use super::packet::{SETUP_LENGTH, STATE_LENGTH, release, state};
-use super::serial::{Gone, Serial};
+use crate::serial::{Gone, Serial};
 
 /// Wait interval of the sender thread; bounds the time until it ends.
 const WAIT: Duration = Duration::from_millis(20);

@@ -1,7 +1,7 @@
 //! Transmission with a full port, and with two threads that send at the same time.
 
 use super::*;
-use crate::emulator::two_diy::Pty;
+use crate::emulator::port::Pty;
 use crate::two_diy::Generation;
 
 /// Time limit for expected events on a busy machine.

@@ -16,8 +16,6 @@ pub mod packet;
 mod plausible;
 mod ports;
 #[cfg(unix)]
-mod serial;
-#[cfg(unix)]
 mod start;
 
 pub use board::{Board, LARGEST_TORQUE};

@@ -13,7 +13,7 @@ use super::kinematics::NoPose;
 use super::layout::{Generation, Layout};
 use super::line::{Line, Unsent};
 use super::packet::{Heard, RECOVERY, RESET, Replies, setup};
-use super::serial::Serial;
+use crate::serial::Serial;
 
 /// Time limit for the port to accept bytes while the device is opened.
 const LIMIT: Duration = Duration::from_millis(500);

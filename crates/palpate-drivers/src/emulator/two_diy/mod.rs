@@ -7,12 +7,8 @@
 mod arm;
 mod firmware;
 mod motor;
-mod port;
-mod pty;
-mod socket;
 mod stepped;
 mod timed_fault;
-mod usb;
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -27,16 +23,13 @@ pub use arm::{Hand, Wiring};
 pub use firmware::Did;
 pub use stepped::SteppedTwoDiy;
 pub use timed_fault::{FaultKind, NoTimedFault, TimedFault};
-pub use usb::Usb;
 
+use crate::emulator::port::{Port, PortSettings, Usb};
 use crate::two_diy::packet::REPLY_LENGTH;
 use crate::two_diy::{Board, Generation};
 use arm::Arm;
 use firmware::{Firmware, Wire};
 use palpate_testbed::actuator::ActuatorParams;
-use port::Port;
-pub use port::PortSettings;
-pub use pty::Pty;
 
 /// Settings of an emulator.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,9 +9,10 @@ use crate::two_diy::{Board, Layout, torques};
 use palpate_device::clock::{Clock, SteppedClock};
 use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench};
 
+use super::Settings;
 use super::arm::Arm;
 use super::firmware::{Did, Firmware, Wire};
-use super::{Settings, Usb};
+use crate::emulator::port::Usb;
 
 /// Emulated 2DIY as a device on a [`SteppedClock`]: runs are reproducible, independent of the load of the machine.
 ///

@@ -1,4 +1,5 @@
-use palpate_drivers::emulator::two_diy::{Fault, PortSettings};
+use palpate_drivers::emulator::port::PortSettings;
+use palpate_drivers::emulator::two_diy::Fault;
 use palpate_record::recording::{Flags, Row};
 use palpate_rt::realtime::Request;
 use palpate_rt::{

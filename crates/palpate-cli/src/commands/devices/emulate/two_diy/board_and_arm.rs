@@ -2,9 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use palpate_drivers::emulator::two_diy::{
-    Did, Emulator, Hand, PortSettings, Settings, Usb, Wiring,
-};
+use palpate_drivers::emulator::port::{PortSettings, Usb};
+use palpate_drivers::emulator::two_diy::{Did, Emulator, Hand, Settings, Wiring};
 use palpate_drivers::two_diy::Generation;
 use palpate_rt::StopFlag;
 

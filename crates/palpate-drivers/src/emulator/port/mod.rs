@@ -1,13 +1,18 @@
-//! Port of the emulated board.
+//! Port of an emulated device on a serial line.
+
+mod pty;
+mod socket;
+mod usb;
 
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::pty::Pty;
-use super::socket::Socket;
+pub use pty::Pty;
+use socket::Socket;
+pub use usb::Usb;
 
-/// Port of the emulated board.
+/// Port of the emulated device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PortSettings {
     /// A pseudo-terminal, the closest substitute of a serial port. A kernel worker transfers its bytes, which takes up
@@ -23,9 +28,9 @@ pub enum PortSettings {
     },
 }
 
-/// The board's end.
+/// The device's end.
 #[derive(Debug)]
-pub enum Port {
+pub(super) enum Port {
     Terminal(Pty),
     Socket(Socket),
 }
