@@ -6,6 +6,8 @@
 //! feature of that name, contains an emulator of each; [`prepared`] prepares devices for a loop.
 
 mod device_time;
+#[cfg(unix)]
+pub mod drive;
 #[cfg(feature = "emulator")]
 pub mod emulator;
 pub mod external;

@@ -4,6 +4,8 @@
 //! and moves a simulated device in real time. It is a separate crate, so a program for a real device contains no simulator.
 
 #[cfg(unix)]
+pub mod drive;
+#[cfg(unix)]
 pub mod force_dimension;
 pub mod inverse3;
 #[cfg(unix)]

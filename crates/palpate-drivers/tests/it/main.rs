@@ -1,5 +1,7 @@
 //! All integration tests of palpate-drivers, in one program.
 
+#[cfg(unix)]
+mod drive;
 mod external;
 #[cfg(unix)]
 mod force_dimension;
