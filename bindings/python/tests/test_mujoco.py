@@ -286,6 +286,7 @@ def test_what_a_tool_cannot_touch_is_said_by_its_name() -> None:
         '<body name="ball"><freejoint/><geom name="rubber" size="0.1"/></body>'
     )
     good: dict[str, Any] = {"tool": 0.01, "bodies": ["ball"], "stiffness": 100.0, "device_mass": 0.2}
+    assert repr(Contact(model, data, **good)) == "<Contact of tool with body 'ball'>"
     for changed, said in [
         ({"bodies": ["bal"]}, "the model has no body 'bal'; it has 'world', 'egg', 'ghost', 'ball'"),
         ({"bodies": "ball"}, "bodies is 'ball', but must be a list"),

@@ -277,6 +277,9 @@ class EngineContact(Fixed, _palpate.EngineContact):
             {name: PortLedger(*entries) for name, entries in zip(self._tools, devices)},
         )
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {', '.join(self._tools)} with {', '.join(self._bodies)}>"
+
     def __reduce__(self) -> NoReturn:
         raise TypeError("contacts with an engine have a state and cannot be pickled")
 
