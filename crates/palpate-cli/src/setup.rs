@@ -8,7 +8,7 @@ use palpate_core::{
     Allowed, BasicParams, Contact, Hold, LoopParams, Mass, ObjectState, Parameter, Range, Renderer,
 };
 use palpate_scene::method::{MethodName, Setting, Settings};
-use palpate_scene::{Delay, Dropped, GuardBounds, Jitter, Scene, SceneParameter};
+use palpate_scene::{Delay, Dropped, GuardBounds, Jitter, Scene, SceneParameter, check_sizes};
 use palpate_study::sim::replay::ReplaySetup;
 
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
@@ -333,8 +333,8 @@ pub fn check_contact(setup: &ReplaySetup) -> Result<(), Failure> {
     loop_params.actuation.hold = Hold::Constant;
     Renderer::new(setup.contact, loop_params, BasicParams)
         .and_then(|renderer| renderer.start(setup.object))
-        .map(|_| ())
-        .map_err(|error| wrong_rendered(&error))
+        .map_err(|error| wrong_rendered(&error))?;
+    check_sizes(&setup.contact, loop_params.period).map_err(|error| wrong_flag(&error))
 }
 
 /// Adds values changed by flags to a title, which may name those of the file.

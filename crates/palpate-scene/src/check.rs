@@ -1,6 +1,8 @@
 //! Range checks of scene parameters.
 
-use palpate_core::{Allowed, Hold, LARGEST_DELAY, Mass, Parameter, ParameterError, Range, Side};
+use palpate_core::{
+    Allowed, Contact, Hold, LARGEST_DELAY, Mass, Parameter, ParameterError, Range, Side,
+};
 use palpate_testbed::drivetrain::Transmission;
 
 use super::parameter::SceneParameter::{self as Of, Rendered};
@@ -10,7 +12,7 @@ use super::{
 };
 
 /// Largest number, of either sign and in whatever unit: the squares and products of larger ones may not be finite.
-const LARGEST: f64 = 1e12;
+pub const LARGEST: f64 = 1e12;
 
 /// Smallest number that has to be above 0, in whatever unit: the inverses of smaller ones may not be finite.
 const SMALLEST: f64 = 1e-20;
@@ -55,6 +57,34 @@ impl Faults {
     }
 }
 
+/// Returns the errors of finite values of a contact and of its `period` `[s]` beyond their upper limits.
+fn sizes(contact: &Contact<f64>, period: f64) -> impl Iterator<Item = SceneParameterError> {
+    let mass = match contact.object_mass {
+        Mass::Finite(mass) => mass,
+        Mass::Infinite => 0.0,
+    };
+    let values = [
+        (Parameter::Stiffness, contact.stiffness),
+        (Parameter::ObjectMass, mass),
+        (Parameter::Period, period),
+    ];
+    let beyond = values.into_iter();
+    let beyond = beyond.filter(|(_, value)| value.is_finite() && *value > LARGEST);
+    beyond.map(|(parameter, value)| ParameterError {
+        parameter: Rendered(parameter),
+        value,
+        allowed: Allowed::Words("at most 1e12"),
+    })
+}
+
+/// Checks the upper limits of a contact without a scene, and of its `period` `[s]`; those of a scene are the same.
+///
+/// # Errors
+/// The first value beyond its limit.
+pub fn check_sizes(contact: &Contact<f64>, period: f64) -> Result<(), SceneParameterError> {
+    sizes(contact, period).next().map_or(Ok(()), Err)
+}
+
 impl Scene {
     /// Checks what no renderer looks at.
     ///
@@ -90,18 +120,8 @@ impl Scene {
 
     /// Checks the upper limits of contact and loop; their own checks cover sign and finiteness.
     fn check_size(&self, faults: &mut Faults) {
-        let mass = match self.contact.object_mass {
-            Mass::Finite(mass) => mass,
-            Mass::Infinite => 0.0,
-        };
-        for (parameter, value) in [
-            (Parameter::Stiffness, self.contact.stiffness),
-            (Parameter::ObjectMass, mass),
-            (Parameter::Period, self.loop_params.period),
-        ] {
-            if value.is_finite() && value > LARGEST {
-                faults.not(Rendered(parameter), value, "at most 1e12");
-            }
+        for error in sizes(&self.contact, self.loop_params.period) {
+            faults.add(error.parameter, error.value, error.allowed);
         }
     }
 

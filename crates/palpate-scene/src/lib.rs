@@ -44,7 +44,7 @@ pub mod world;
 mod write;
 
 pub use beside::{beside, scene_bytes};
-pub use check::SceneParameterError;
+pub use check::{LARGEST, SceneParameterError, check_sizes};
 pub use contact_file::ContactFile;
 pub use delay::Delay;
 pub use device::{PantographDevice, PointMassDevice, SceneDevice};

@@ -5,7 +5,7 @@ use std::fmt;
 use palpate_core::{Contact, Parameter};
 use palpate_rt::{ChangeError, Parameters, Rendering};
 use palpate_scene::method::{MethodName, SettingKey, Settings, nearest};
-use palpate_scene::{SceneParameter, SceneParameterError, SetupError};
+use palpate_scene::{SceneParameter, SceneParameterError, SetupError, check_sizes};
 use palpate_study::sim::replay::ReplaySetup;
 
 use palpate_study::text::exactly;
@@ -134,6 +134,7 @@ impl Changeable {
             }
             settings = settings.with(SettingKey::DAMPING, damping);
         }
+        check_sizes(&setup.contact, setup.loop_params.period).map_err(|error| named(&error))?;
         let rendering =
             rendering(&setup, self.method, &settings).map_err(|error| in_words(&error))?;
         self.parameters

@@ -2,6 +2,8 @@
 
 use palpate_record::unit::LengthUnit;
 
+use palpate_scene::LARGEST;
+
 use crate::pipe::change::Change;
 
 /// Format of the lines, from the flags or the header. It is never guessed from the text: `0,001` can be a time and a
@@ -60,7 +62,8 @@ impl Format {
         format!("`{time}{position}{comma}{force}`")
     }
 
-    /// Parses the header in the first line. Returns `None` if the line is not a header.
+    /// Parses the header in the first line. Returns `None` if the line is not a header. A word without a unit, such as
+    /// the start-up message of a board, is a header that changes nothing.
     ///
     /// # Errors
     /// The header has unexpected columns.
@@ -72,8 +75,11 @@ impl Format {
                 .find(|unit| unit.position_column() == name)
         };
         let are_names = names.iter().all(|name| is_named(name));
-        if !are_names || (names.len() == 1 && !text.contains('_')) {
+        if !are_names || text == "set" {
             return Ok(None);
+        }
+        if is_word(text) {
+            return Ok(Some(self));
         }
         let (columns, virtual_force) = match names.as_slice() {
             [columns @ .., VIRTUAL_FORCE] => (columns, true),
@@ -145,9 +151,12 @@ impl Format {
             (true, &[time, position]) => (Some(time), position),
             _ => return Err(Refusal::Stream(self.other_columns(text, fields.len()))),
         };
+        let position = self.unit.metres(position);
+        check_size("the position", position, "m")?;
+        check_size(VIRTUAL_FORCE, virtual_force, "N")?;
         Ok(Line::Sample {
             time,
-            position: self.unit.metres(position),
+            position,
             virtual_force,
         })
     }
@@ -181,6 +190,29 @@ impl Format {
             ),
         }
     }
+}
+
+/// Rejects a finite value that no contact can be computed with.
+pub(crate) fn check_size(name: &str, value: f64, unit: &str) -> Result<(), Refusal> {
+    if value.is_finite() && value.abs() > LARGEST {
+        return Err(Refusal::Line(format!(
+            "{name} is {value:e} {unit}, but must be between -1e12 and 1e12 {unit}"
+        )));
+    }
+    Ok(())
+}
+
+/// Whether a first line of names is one word without a unit.
+pub(crate) fn is_word(text: &str) -> bool {
+    is_named(text) && !text.contains(['_', ','])
+}
+
+/// Message for such a line, before lines of the `shape`.
+pub(crate) fn word_in_words(text: &str, shape: &str) -> String {
+    let text = text.escape_debug();
+    format!(
+        "line 1: \"{text}\" is taken as a header and gets no answer; expected {shape} from here on"
+    )
 }
 
 /// Whether a field of the first line is a column name: it begins with a letter or a quote, and is neither a number
@@ -298,6 +330,18 @@ mod tests {
     }
 
     #[test]
+    fn a_number_beyond_all_contacts_is_named_with_its_bound() {
+        for (format, text) in [(POSITIONS, "1e300"), (TIMES, "0,-1e13")] {
+            let Err(Refusal::Line(why)) = format.parse(text) else {
+                panic!("{text}");
+            };
+            assert!(why.starts_with("the position is"), "{why}");
+            assert!(why.contains("between -1e12 and 1e12 m"), "{why}");
+        }
+        assert!(POSITIONS.parse("1e12").is_ok() && POSITIONS.parse("inf").is_ok());
+    }
+
+    #[test]
     fn a_header_says_whether_there_are_times() {
         assert_eq!(POSITIONS.with_header("0.001"), Ok(None));
         assert_eq!(POSITIONS.with_header("t_s,position_m"), Ok(Some(TIMES)));
@@ -314,8 +358,12 @@ mod tests {
         ] {
             assert!(POSITIONS.with_header(text).is_err(), "{text}");
         }
-        // Start-up messages of a board and cut-off lines are not headers.
-        for text in ["ready", "nan", "inf,0", "", "1,x_m", "set mass_kg=1"] {
+        // Column words and start-up messages of a board.
+        for text in ["position", "ready", "position (m)"] {
+            assert_eq!(POSITIONS.with_header(text), Ok(Some(POSITIONS)), "{text}");
+        }
+        // Cut-off lines are not headers.
+        for text in ["set", "nan", "inf,0", "", "1,x_m", "set mass_kg=1"] {
             assert_eq!(POSITIONS.with_header(text), Ok(None), "{text}");
         }
     }

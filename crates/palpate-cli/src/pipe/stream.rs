@@ -11,7 +11,7 @@ use palpate_rt::{CHANGE_DURATION, Rendered, answered};
 
 use crate::pipe::change::{Change, Changeable};
 use crate::pipe::columns::{Answer, Columns};
-use crate::pipe::line::{Format, Line, Refusal};
+use crate::pipe::line::{Format, Line, Refusal, is_word, word_in_words};
 use crate::pipe::messages::Messages;
 use crate::pipe::mistake::Mistakes;
 use crate::pipe::serving::{Answering, Stopped};
@@ -296,6 +296,9 @@ impl Answering for Stream {
             let header = self.format.with_header(first);
             if let Some(format) = header.map_err(|why| Stopped::at_line(number, &why))? {
                 self.format = format;
+                if is_word(first) {
+                    self.tell(word_in_words(first, &format.shape()));
+                }
                 return Ok(());
             }
         }

@@ -264,3 +264,53 @@ fn created_energy_stops_a_pipe_as_it_stops_run() {
         assert!(answer.stderr.contains(words), "{}", answer.stderr);
     }
 }
+
+#[test]
+fn a_device_at_rest_inside_a_wall_feels_its_depth_after_a_soft_start() {
+    let arguments = "pipe --stiffness 400 --mass inf --period 0.04 --device-mass 0.2";
+    let found = forces(&pipe(arguments, &"0.005\n".repeat(100)));
+    assert!((found[99] + 2.0).abs() < 0.1, "{}", found[99]);
+}
+
+#[test]
+fn a_period_too_long_for_the_contact_is_said_once() {
+    let at = |stiffness: &str| {
+        let arguments =
+            format!("pipe --stiffness {stiffness} --mass inf --period 0.04 --device-mass 0.2");
+        pipe(&arguments, "0\n0\n").stderr
+    };
+    let said = at("8000");
+    let words = "warning: the period is too long: at 8000 N/m (kappa 64.0, Kc 0) no force held for 0.04 s is within 20 %";
+    assert_eq!(said.matches(words).count(), 1, "{said}");
+    assert!(!at("400").contains("warning"));
+}
+
+#[test]
+fn bounds_are_those_of_simulate() {
+    let folder = Folder::new();
+    let arguments = "pipe --stiffness 1e308 --mass inf --period 0.001 --device-mass 0.2";
+    folder.fail(arguments, 2, &["--stiffness", "at most 1e12"]);
+    let far = pipe(WALL, "1e300\n0\n").stderr;
+    let said =
+        "line 1: the position is 1e300 m, but must be between -1e12 and 1e12 m; the force is 0";
+    assert!(far.contains(said), "{far}");
+    let stiff = pipe(WALL, "0\nset stiffness_n_per_m=1e13\n").stderr;
+    assert!(
+        stiff.contains("line 2: set is refused") && stiff.contains("at most 1e12"),
+        "{stiff}"
+    );
+}
+
+#[test]
+fn a_word_in_the_first_line_is_a_header() {
+    let answer = pipe(&format!("{WALL} --json"), "position\n0\n");
+    assert_eq!(answer.stdout.lines().count(), 2, "{answer:?}");
+    let said =
+        "line 1: \"position\" is taken as a header and gets no answer; expected `position_m`";
+    assert!(answer.stderr.contains(said), "{answer:?}");
+    let summary = parse(answer.stderr.lines().last().unwrap());
+    assert_eq!(
+        (number(&summary, "samples"), number(&summary, "refused")),
+        (1.0, 0.0)
+    );
+}

@@ -4,6 +4,7 @@ mod question;
 mod text;
 
 pub use question::Question;
+pub use text::too_coarse;
 
 use crate::map::{Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, default_settings};
 use crate::tune::tunable;

@@ -26,6 +26,15 @@ impl fmt::Display for Advice {
     }
 }
 
+/// Returns the words for a contact whose ideal force no force held for a `period` `[s]` follows, with the remedies.
+#[must_use]
+pub fn too_coarse(period: f64) -> String {
+    format!(
+        "no force held for {period} s is within {FAITHFUL_PERCENT} % of the ideal's. A higher rate, a softer contact or \
+         a heavier object would help."
+    )
+}
+
 impl Advice {
     /// Returns the object in words: `an object of 0.1 kg`, `a wall`.
     #[must_use]
@@ -115,10 +124,9 @@ impl Advice {
                 method,
                 damping_n_s_per_m,
             } => format!(
-                "The period is too long: {what} is stable and steady by {}, but no force held for {} s is within \
-                 {FAITHFUL_PERCENT} % of the ideal's. A higher rate, a softer contact or a heavier object would help.",
+                "The period is too long: {what} is stable and steady by {}, but {}",
                 with_damping(method, damping_n_s_per_m),
-                self.device.period_s
+                too_coarse(self.device.period_s)
             ),
             Verdict::StableOnly {
                 method,

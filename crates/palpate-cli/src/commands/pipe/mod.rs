@@ -4,14 +4,17 @@ mod answering;
 mod arguments;
 mod world;
 
+use std::f64::consts::PI;
 use std::io;
 
 use crate::pipe::{Changeable, Columns, Format, Memory, PipeSummary, Stream, rendering};
-use palpate_core::{Hold, LARGEST_DELAY};
+use palpate_core::{Difficulty, Hold, LARGEST_DELAY, Mass};
 use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::method::MethodName;
 use palpate_scene::{ContactFile, SceneFile};
+use palpate_study::advise::too_coarse;
 use palpate_study::sim::replay::ReplaySetup;
+use palpate_study::text::digits;
 
 pub use arguments::PipeArguments;
 
@@ -100,6 +103,9 @@ fn set_up(arguments: &PipeArguments, scene: Option<ContactFile>) -> Result<Strea
         summary: PipeSummary::new(force_limit, soft_start),
         memory: Memory::default(),
     };
+    if let Some(doubt) = doubt_of_period(&setup) {
+        stream.tell(format_args!("warning: {doubt}"));
+    }
     if let Some(limits) = limits_in_words(
         force_limit.filter(|_| !is_limit_given),
         Some(soft_start).filter(|_| arguments.stream.soft_start.is_none()),
@@ -107,6 +113,32 @@ fn set_up(arguments: &PipeArguments, scene: Option<ContactFile>) -> Result<Strea
         stream.tell(limits);
     }
     Ok(stream)
+}
+
+/// K T²/m + K T²/M above which a collision, half an oscillation, lasts less than a period.
+const COLLISION_IN_A_PERIOD: f64 = PI * PI;
+
+/// Returns the doubt whether a held force can follow the contact, in the words of `advise`. A device of unknown mass
+/// counts as immovable.
+fn doubt_of_period(setup: &ReplaySetup) -> Option<String> {
+    let (stiffness, period) = (setup.contact.stiffness, setup.loop_params.period);
+    let object_mass = match setup.contact.object_mass {
+        Mass::Finite(mass) => mass,
+        Mass::Infinite => f64::INFINITY,
+    };
+    let device_mass = setup.device_mass.unwrap_or(f64::INFINITY);
+    let Difficulty {
+        kappa,
+        object_kappa,
+    } = Difficulty::new(stiffness, device_mass, object_mass, period).ok()?;
+    (kappa + object_kappa > COLLISION_IN_A_PERIOD).then(|| {
+        format!(
+            "the period is too long: at {stiffness} N/m (kappa {}, Kc {}) {}",
+            digits(kappa),
+            digits(object_kappa),
+            too_coarse(period)
+        )
+    })
 }
 
 /// Limits the force of `setup` by that of the motors `[N]` and by default, unless a limit is given. Returns whether one

@@ -3,7 +3,7 @@
 use palpate_record::unit::LengthUnit;
 use palpate_world::{IDENTITY, Quaternion, Vector};
 
-use crate::pipe::line::{Refusal, is_named};
+use crate::pipe::line::{Refusal, check_size, is_named, is_word};
 
 /// Format of the lines, from the flags.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -79,7 +79,7 @@ impl WorldFormat {
     pub fn is_header(&self, text: &str) -> Result<bool, String> {
         let names: Vec<&str> = text.split(',').map(str::trim).collect();
         let columns = self.columns();
-        if names == columns {
+        if names == columns || (is_word(text) && text != "set") {
             return Ok(true);
         }
         if names.len() > 1 && names.iter().all(|name| is_named(name)) {
@@ -148,6 +148,9 @@ impl WorldFormat {
         for device in &self.devices {
             let position: Vector = std::array::from_fn(|_| next());
             let metres = position.map(|part| self.unit.metres(part));
+            for part in metres {
+                check_size(&format!("a position of {}", device.name), part, "m")?;
+            }
             sample.positions.push(metres);
             sample.orientations.push(if device.turns {
                 std::array::from_fn(|_| next())

@@ -12,7 +12,7 @@ use palpate_world::{ContactState, IDENTITY, Sample, Vector};
 use super::line::{self, WorldFormat};
 use super::names::Names;
 use super::summary::WorldSummary;
-use crate::pipe::line::Refusal;
+use crate::pipe::line::{Refusal, is_word, word_in_words};
 use crate::pipe::messages::Messages;
 use crate::pipe::mistake::Mistakes;
 use crate::pipe::number;
@@ -315,6 +315,10 @@ impl Answering for WorldStream {
             *first = first.trim_start_matches('\u{feff}');
             let header = self.format.is_header(first);
             if header.map_err(|why| Stopped::at_line(number, &why))? {
+                if is_word(first) {
+                    let columns = self.format.columns().join(",");
+                    self.tell(word_in_words(first, &format!("`{columns}`")));
+                }
                 return Ok(());
             }
         }
