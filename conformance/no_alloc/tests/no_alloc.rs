@@ -158,6 +158,7 @@ fn a_mesh_is_touched_without_allocating() {
     for (radius, ticks) in [(0.0, 3000), (0.004, 3000), (1.0, 200)] {
         let world = World {
             joints: Vec::new(),
+            fields: Vec::new(),
             tools: vec![Tool::new("tool", Shape::Sphere { radius })],
             bodies: vec![Body::new("bumps", Shape::Mesh(mesh.clone()), Motion::Fixed)],
             contacts: vec![Contact {
@@ -223,6 +224,7 @@ fn points_touch_a_grid_without_allocating() {
     let shell = PointShell::over(&die, 32).unwrap();
     let world = World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Mesh(Arc::new(die.with_shell(shell)))).turning()],
         bodies: vec![Body::new(
             "slab",
@@ -303,6 +305,7 @@ fn a_world_is_stepped_without_allocating() {
     };
     let mut world = World {
         joints: vec![slider],
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.01 })],
         bodies: vec![
             Body::new("floor", half_space, Motion::Fixed),
@@ -410,6 +413,7 @@ fn cylinders_are_touched_without_allocating() {
     ];
     let world = World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", can(0.02)).turning()],
         bodies: vec![
             Body::new("table", half_space, Motion::Fixed),

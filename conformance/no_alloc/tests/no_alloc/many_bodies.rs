@@ -29,6 +29,7 @@ fn a_hundred_balls_are_touched_without_allocating() {
     }
     let world = World {
         joints: Vec::new(),
+        fields: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.004 })],
         bodies,
         contacts: vec![Contact {

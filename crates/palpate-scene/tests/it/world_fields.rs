@@ -96,7 +96,7 @@ fn faults_of_fields_have_their_place_and_say_what_is_allowed() {
         (
             "positions = 5",
             "positions = 0",
-            ":10:84: field 0 on \"knob\": positions is 0, and has to be at least 1",
+            ":10:87: field 0 on \"knob\": positions is 0, and has to be at least 1",
         ),
         (
             "period_m = 0.01",

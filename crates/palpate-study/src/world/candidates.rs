@@ -1,6 +1,9 @@
 //! Candidate settings of tunable methods on a world.
 
+use std::f64::consts::TAU;
+
 use palpate_scene::world::{Coupling, WorldScene, WorldSettings};
+use palpate_world::{Field, FieldKind};
 
 /// A tunable method of worlds; `basic` and `coupled` have no tunable settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +19,7 @@ pub enum Tunable {
 /// Units of the candidate settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// K, the largest stiffness among the contacts `[N/m]`.
+    /// K, the largest stiffness among contacts and fields `[N/m]`.
     pub stiffness: f64,
     /// T `[s]`.
     pub period: f64,
@@ -42,12 +45,31 @@ impl Scale {
             .flat_map(|turning| turning.inertia)
             .collect();
         Self {
-            stiffness: laws.map(|law| law.stiffness).fold(0.0, f64::max),
+            stiffness: laws
+                .map(|law| law.stiffness)
+                .chain(scene.world.fields.iter().map(stiffness_of))
+                .fold(0.0, f64::max),
             period: scene.timing.period,
             mass,
             gyration: (!moments.is_empty())
                 .then(|| mean(moments.iter().sum(), moments.len()) / mass),
         }
+    }
+}
+
+/// Returns the largest stiffness of a field `[N/m]`.
+fn stiffness_of(field: &Field) -> f64 {
+    match field.kind {
+        FieldKind::Point { stiffness, .. }
+        | FieldKind::Line { stiffness, .. }
+        | FieldKind::Plane { stiffness, .. } => stiffness,
+        FieldKind::Detents {
+            period,
+            amplitude,
+            stiffness,
+            ..
+        } => (0.5 * amplitude * (TAU / period).powi(2)).max(stiffness),
+        FieldKind::Constant { .. } => 0.0,
     }
 }
 

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use palpate_world::{
     BasicParams, CoupledParams, Field, FieldKind, Free, GodObjectParams, HfcrParams, PopcParams,
-    Sample, SehParams, Shape, Tool, Vector, VirtualCouplingParams, World, WorldField, WorldLoop,
-    WorldMethod, WorldPart, WorldRenderer, WorldState,
+    Sample, SehParams, Shape, Tool, Vector, VirtualCouplingParams, World, WorldField, WorldGuard,
+    WorldGuardParams, WorldLoop, WorldMethod, WorldPart, WorldRenderer, WorldState,
 };
 
 use crate::common::ball;
@@ -139,15 +139,35 @@ fn run(
     start: Vector,
     (rate, duration): (f64, f64),
 ) -> (Vec<f64>, Vec<Vector>, Vec<Vector>, (WorldState, Device)) {
-    let period = 1.0 / rate;
-    let renderer = WorldRenderer::new(&world(kinds), WorldLoop::new(period), method).unwrap();
+    let loop_params = WorldLoop::new(1.0 / rate);
+    let (energies, forces, places, end, _) = run_in(loop_params, kinds, method, start, duration);
+    (energies, forces, places, end)
+}
+
+/// Runs a device as [`run`] does, in another loop. Returns in addition the number of samples at which a guard acted.
+fn run_in(
+    loop_params: WorldLoop,
+    kinds: &[FieldKind],
+    method: WorldMethod,
+    start: Vector,
+    duration: f64,
+) -> (
+    Vec<f64>,
+    Vec<Vector>,
+    Vec<Vector>,
+    (WorldState, Device),
+    usize,
+) {
+    let (period, mut guarded) = (loop_params.period, 0);
+    let renderer = WorldRenderer::new(&world(kinds), loop_params, method).unwrap();
     let mut state = renderer.start();
     let mut device = Device::at(start);
     let (mut energies, mut forces, mut places) = (Vec::new(), Vec::new(), Vec::new());
-    for _ in 0..(duration * rate) as usize {
+    for _ in 0..(duration / period).round() as usize {
         let output = renderer.step(&mut state, &Sample::at(&[device.position]));
         assert_eq!(output.fault, None);
         let force = output.forces[0];
+        guarded += usize::from(output.limited.guard);
         let there: f64 = kinds
             .iter()
             .map(|kind| energy(kind, &device.position))
@@ -159,7 +179,7 @@ fn run(
     }
     // The last sample concludes the last interval.
     let _ = renderer.step(&mut state, &Sample::at(&[device.position]));
-    (energies, forces, places, (state, device))
+    (energies, forces, places, (state, device), guarded)
 }
 
 #[test]
@@ -466,4 +486,54 @@ fn a_changed_field_goes_on_and_its_energy_comes_from_outside() {
     assert_eq!((one.work, one.held), (other.work, other.held));
     assert_eq!(after.gone.fields.outside, -before.fields[1].stored);
     assert_eq!(after.gone.fields.work, before.fields[1].work);
+}
+
+#[test]
+fn a_fast_pass_over_detents_is_sub_stepped() {
+    let detents = FieldKind::Detents {
+        at: [-1.0, 0.0, 0.0],
+        axis: [1.0, 0.0, 0.0],
+        positions: 1001,
+        period: 0.002,
+        amplitude: 1e-5,
+        stiffness: 0.0,
+    };
+    let renderer =
+        WorldRenderer::new(&world(&[detents]), WorldLoop::new(0.001), told_too_much()).unwrap();
+    let mut state = renderer.start();
+    let mut passed = |speed: f64| {
+        let mut most = 0;
+        for sample in 0..100 {
+            let place = speed * 0.001 * f64::from(sample);
+            let output = renderer.step(&mut state, &Sample::at(&[[place, 0.0, 0.0]]));
+            assert_eq!(output.fault, None);
+            most = most.max(output.effort.sub_steps);
+        }
+        most
+    };
+    // A tick has two intervals of at least 16 sub-steps. At 0.5 m/s the phase of a period is 1.6 rad.
+    let (slow, fast) = (passed(0.005), passed(0.5));
+    assert!(slow < 40 && fast > 90, "{slow} {fast}");
+}
+
+#[test]
+fn the_guard_allows_the_energy_of_fields_and_no_more() {
+    let allowance = 0.003;
+    let push = FieldKind::Constant {
+        force: [0.5, 0.0, -0.2],
+    };
+    let of = |kind, method| {
+        let guard = WorldGuardParams::by_speed(1.0, 1.0, allowance);
+        let guarded = WorldLoop::new(0.001).with_guard(WorldGuard::Limit(guard));
+        let (energies, .., acted) = run_in(guarded, &[kind], method, [0.02, 0.005, -0.02], 0.15);
+        let most = energies.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (acted, most - energies[0])
+    };
+    for kind in [POINT, push] {
+        let (acted, _) = of(kind, told_too_much());
+        assert_eq!(acted, 0, "{kind:?}");
+    }
+    let (acted, gained) = of(POINT, BasicParams::default().into());
+    assert!(gained < allowance, "{gained}");
+    println!("basic: the guard acted {acted} times, and {gained} J were added");
 }

@@ -39,10 +39,10 @@ period_s -> perod_s
   5:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples, delay_fraction, delay_s, command_jitter_s, lag_s, gain, hold, jitter_s, jitter_deviation_s, drop_probability, dropped_samples, collapse, seed
   perod_s
 [loop] -> [lop]
-  4:2: unknown key lop, did you mean loop? Known here: format, title, loop, device, body, contact, joint, model, render, methods, measure
+  4:2: unknown key lop, did you mean loop? Known here: format, title, loop, device, body, contact, joint, field, model, render, methods, measure
   lop
 [loop] -> [zzz]\n[loop]
-  4:2: unknown key zzz. Known here: format, title, loop, device, body, contact, joint, model, render, methods, measure
+  4:2: unknown key zzz. Known here: format, title, loop, device, body, contact, joint, field, model, render, methods, measure
   zzz
 collisions = 3 -> collisons = 3
   40:1: unknown key collisons, did you mean collisions? Known here: collisions, duration_s

@@ -86,12 +86,13 @@ fn a_device_passes_detents_and_turns_back_at_the_stops() {
     };
     let ideal = in_fields(start, &[detents, spring, push], 2.0);
     let first = ideal.states[0].ledger.balance();
-    let mut furthest = 0.0_f64;
+    let (mut furthest, mut apart) = (0.0_f64, 0.0_f64);
     for state in &ideal.states {
-        let ledger = &state.ledger;
-        assert!((ledger.balance() - first).abs() < 1e-12, "{ledger:?}");
+        apart = apart.max((state.ledger.balance() - first).abs());
         furthest = furthest.max(state.devices[0].position[0]);
     }
+    println!("energy error {apart:e} J of {first:e} J");
+    assert!(apart < 1e-9 * first, "{apart} {first}");
     // It has crossed all positions.
     assert!(furthest > 2.5 * period, "{furthest}");
 }
