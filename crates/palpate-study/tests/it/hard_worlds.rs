@@ -464,7 +464,7 @@ fn a_marble_that_rolls_in_a_bowl_is_near_the_floor() {
     assert!(coupled < 3.0 && basic > 20.0);
 }
 
-/// The committed scene of detents: its device has two thirds of the mass that the renderer is told.
+/// The committed scene of detents. The renderer assumes 1.5 times the mass of the device.
 #[test]
 fn a_slider_on_detents_is_followed_and_basic_adds_energy() {
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))

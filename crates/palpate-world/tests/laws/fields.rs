@@ -38,8 +38,8 @@ fn world(kinds: &[FieldKind]) -> World {
     }
 }
 
-/// Returns coupled rendering that is told 1.5 times the device's mass.
-fn told_too_much() -> WorldMethod {
+/// Returns coupled rendering that assumes 1.5 times the mass of the device.
+fn with_a_heavy_model() -> WorldMethod {
     CoupledParams::new(vec![[1.5 * MASS; 3]]).into()
 }
 
@@ -183,12 +183,12 @@ fn run_in(
 }
 
 #[test]
-fn a_tool_in_a_field_keeps_its_energy_though_told_another_mass() {
+fn a_tool_in_a_field_keeps_its_energy_with_another_model_mass() {
     for (name, kind, start) in [
         ("point", POINT, [0.02, 0.005, -0.02]),
         ("detent", DETENTS, [0.0112, 0.0, 0.0]),
     ] {
-        let (energies, ..) = run(&[kind], told_too_much(), start, (1000.0, 3.0));
+        let (energies, ..) = run(&[kind], with_a_heavy_model(), start, (1000.0, 3.0));
         let last = &energies[energies.len() - 1000..];
         let mean = last.iter().sum::<f64>() / last.len() as f64;
         let (basic, ..) = run(&[kind], BasicParams::default().into(), start, (1000.0, 1.0));
@@ -246,14 +246,14 @@ fn mean_force_error(
 }
 
 #[test]
-fn the_mean_force_of_a_field_is_within_1_percent_though_told_another_mass() {
+fn the_mean_force_of_a_field_is_within_1_percent_with_another_model_mass() {
     for (name, kind, start) in [
         ("point", POINT, [0.03, 0.0, -0.02]),
         ("detent", DETENTS, [0.0112, 0.0, 0.0]),
         ("past detents to both stops", DETENTS, [-0.002, 0.0, 0.0]),
     ] {
         let of = |method| mean_force_error(kind, method, start, (1000.0, 0.5));
-        let error = of(told_too_much());
+        let error = of(with_a_heavy_model());
         let known = of(CoupledParams::new(vec![[MASS; 3]]).into());
         let basic = of(BasicParams::default().into());
         println!(
@@ -323,7 +323,7 @@ fn the_books_of_fields_close() {
             force: [0.1, -0.2, 0.05],
         },
     ];
-    for method in [told_too_much(), BasicParams::default().into()] {
+    for method in [with_a_heavy_model(), BasicParams::default().into()] {
         let start = [0.013, 0.004, 0.006];
         let name = method.name();
         let (.., (state, device)) = run(&kinds, method, start, (500.0, 0.4));
@@ -347,7 +347,7 @@ fn the_books_of_fields_close() {
                 "{name}, {what}: {one} {other}"
             );
         };
-        // The device has no hand, so its kinetic energy is the work at its port.
+        // Nothing but the port moves the device.
         close(port.port_work, device.work, "port");
         close(port.port_work, device.kinetic(), "kinetic");
         close(port.held, held, "held");
@@ -446,7 +446,7 @@ fn a_force_limit_on_a_field_is_reported() {
     let renderer = WorldRenderer::new(
         &world(&[POINT]),
         WorldLoop::new(0.001).with_force_limits(vec![1.0]),
-        told_too_much(),
+        with_a_heavy_model(),
     )
     .unwrap();
     let mut state = renderer.start();
@@ -465,7 +465,7 @@ fn a_changed_field_goes_on_and_its_energy_comes_from_outside() {
     let renderer = WorldRenderer::new(
         &world(&[POINT, DETENTS]),
         WorldLoop::new(0.001),
-        told_too_much(),
+        with_a_heavy_model(),
     )
     .unwrap();
     let mut state = renderer.start();
@@ -498,8 +498,12 @@ fn a_fast_pass_over_detents_is_sub_stepped() {
         amplitude: 1e-5,
         stiffness: 0.0,
     };
-    let renderer =
-        WorldRenderer::new(&world(&[detents]), WorldLoop::new(0.001), told_too_much()).unwrap();
+    let renderer = WorldRenderer::new(
+        &world(&[detents]),
+        WorldLoop::new(0.001),
+        with_a_heavy_model(),
+    )
+    .unwrap();
     let mut state = renderer.start();
     let mut passed = |speed: f64| {
         let mut most = 0;
@@ -530,7 +534,7 @@ fn the_guard_allows_the_energy_of_fields_and_no_more() {
         (acted, most - energies[0])
     };
     for kind in [POINT, push] {
-        let (acted, _) = of(kind, told_too_much());
+        let (acted, _) = of(kind, with_a_heavy_model());
         assert_eq!(acted, 0, "{kind:?}");
     }
     let (acted, gained) = of(POINT, BasicParams::default().into());
