@@ -17,11 +17,16 @@ const LOST_AFTER: Duration = Duration::from_millis(50);
 /// The drive is reported as gone after this time without an answer and this number of failed reads.
 const GONE_AFTER: Duration = Duration::from_secs(1);
 const GONE_AFTER_READS: u32 = 20;
-/// Limit of the speed of the handle `[m/s]`, and the tolerance of a position `[m]`.
+/// Limits of the speed of the handle `[m/s]` and of the drive `[turns/s]`, of which the larger one holds.
 const LARGEST_SPEED: f64 = 10.0;
-const SLACK: f64 = 1e-3;
-/// Longest time in which the handle may travel at that speed; a longer silence allows no larger jump.
+const LARGEST_RATE: f64 = 20.0;
+/// Longest time at that speed. Later a hand moves at this part of it.
 const LONGEST_DASH: Duration = Duration::from_millis(10);
+const HAND: f64 = 0.2;
+/// Tolerance of a position `[turns]`.
+const SLACK: f64 = 0.01;
+/// Time in which the drive starts after its watchdog has acted.
+const STARTS_WITHIN: Duration = Duration::from_millis(500);
 /// Time to send the last command.
 const LAST_TRY: Duration = Duration::from_millis(200);
 
@@ -37,12 +42,14 @@ pub struct Drive<A: Axis, C: Clock> {
     pub(super) wire: Wire,
     /// Travel for a turn `[m]`.
     pub(super) travel: f64,
+    /// Position at which the coordinate is 0 `[turns]`.
+    pub(super) zero: f64,
     pub(super) patience: Duration,
     pub(super) round_trip: Duration,
     /// Last commanded torque `[N m]`.
     pub(super) torque: f32,
-    /// Whether the drive holds commanded torques.
-    pub(super) is_ready: bool,
+    /// Time since which the drive holds no commanded torques.
+    pub(super) unready_since: Option<Instant>,
     pub(super) was_cut: bool,
     pub(super) has_jumped: bool,
     /// Last position `[turns]`, with its time.
@@ -92,6 +99,12 @@ impl<A: Axis, C: Clock> Drive<A, C> {
     #[must_use]
     pub fn round_trip(&self) -> Duration {
         self.round_trip
+    }
+
+    /// Returns the last position `[turns]`.
+    #[must_use]
+    pub fn turns(&self) -> f64 {
+        self.position
     }
 
     fn refused(&mut self, what: &'static str) -> DeviceError {
@@ -174,7 +187,7 @@ impl<A: Axis, C: Clock> Drive<A, C> {
         }
     }
 
-    /// Rejects a position that no hand reaches; from then on all of them, since the count of the encoder is lost.
+    /// Rejects a position after an implausible jump, and all later ones: the encoder has lost its count.
     fn accept(&mut self, position: f64) -> Result<(), DeviceError> {
         if !position.is_finite() {
             self.connection.unreadable += 1;
@@ -182,9 +195,10 @@ impl<A: Axis, C: Clock> Drive<A, C> {
             return Err(DeviceError::new(DeviceErrorKind::Interrupted, what));
         }
         let now = Instant::now();
-        let since = (now - self.positioned).min(LONGEST_DASH).as_secs_f64();
-        let jump = ((position - self.position) * self.travel).abs();
-        self.has_jumped |= jump > LARGEST_SPEED * since + SLACK;
+        let since = now - self.positioned;
+        let moving = since.min(LONGEST_DASH).as_secs_f64() + HAND * since.as_secs_f64();
+        let rate = (LARGEST_SPEED / self.travel.abs()).max(LARGEST_RATE);
+        self.has_jumped |= (position - self.position).abs() > rate * moving + SLACK;
         if self.has_jumped {
             return Err(self.refused(
                 "the position has jumped: the encoder has lost its count; check it, and open the drive again",
@@ -195,29 +209,28 @@ impl<A: Axis, C: Clock> Drive<A, C> {
         Ok(())
     }
 
-    /// Acts on the condition of the drive.
+    /// Acts on the condition of the drive. Its position is valid while it starts.
     fn obey(&mut self, condition: Condition) -> Result<(), DeviceError> {
-        self.is_ready = condition == Condition::Ready;
-        if self.is_ready {
+        if condition == Condition::Ready {
+            self.unready_since = None;
             return Ok(());
         }
-        let had_torque = self.torque != 0.0;
-        self.torque = 0.0;
-        match condition {
-            Condition::TimedOut => {
-                self.was_cut |= had_torque;
-                let axis = &mut self.axis;
-                let sent = self.wire.send(|text| axis.resume(text));
-                sent.map_err(|unsent| self.unsent(unsent))?;
-                let what = "the drive's watchdog has taken its torque off";
-                Err(DeviceError::new(DeviceErrorKind::Interrupted, what))
-            }
-            Condition::Failed(what) => Err(self.refused(what)),
-            Condition::Starting | Condition::Ready => {
-                let what = "the drive starts";
-                Err(DeviceError::new(DeviceErrorKind::Interrupted, what))
-            }
+        let since = *self.unready_since.get_or_insert_with(Instant::now);
+        if condition == Condition::TimedOut {
+            self.was_cut |= self.torque != 0.0;
+            let axis = &mut self.axis;
+            let sent = self.wire.send(|text| axis.resume(text));
+            sent.map_err(|unsent| self.unsent(unsent))?;
         }
+        self.torque = 0.0;
+        if let Condition::Failed(what) = condition {
+            return Err(self.refused(what));
+        }
+        if since.elapsed() > STARTS_WITHIN {
+            let what = "the drive does not start";
+            return Err(DeviceError::new(DeviceErrorKind::Interrupted, what));
+        }
+        Ok(())
     }
 }
 
@@ -232,7 +245,8 @@ impl<A: Axis, C: Clock> Device for Drive<A, C> {
         self.obey(condition)?;
         self.accept(position)?;
         self.connection.samples += 1;
-        Ok(Pose::at([position * self.travel, 0.0, 0.0], time))
+        let along = (position - self.zero) * self.travel;
+        Ok(Pose::at([along, 0.0, 0.0], time))
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
@@ -242,11 +256,12 @@ impl<A: Axis, C: Clock> Device for Drive<A, C> {
             clippy::cast_possible_truncation,
             reason = "the wire has 32 bits, and the force is limited"
         )]
-        let torque = if self.is_ready && !self.has_jumped {
+        let torque = if self.unready_since.is_none() && !self.has_jumped {
             (along * lever) as f32
         } else {
             0.0
         };
+        self.connection.untaken += u64::from(torque == 0.0 && along != 0.0);
         self.torque = torque;
         let axis = &mut self.axis;
         let sent = self.wire.send(|text| axis.command(torque, text));

@@ -15,6 +15,6 @@ pub use axis::{Axis, AxisState, Condition, Heard};
 pub use device::Drive;
 pub use moteus::Moteus;
 pub use odrive::Odrive;
-pub use open::{OpenError, Options};
+pub use open::{OpenError, Options, SHORTEST_WATCHDOG};
 pub use text::Text;
-pub use wire::Wire;
+pub use wire::{PortGone, Wire};

@@ -2,7 +2,7 @@
 //!
 //! A line `can send ID HEX` carries a frame, and `rcv ID HEX` an answer. A frame has subframes that write and read
 //! registers. Torque is position mode with the scales of stiffness and damping at 0 and a feed-forward torque.
-//! Source: the protocol pages of mjbots/moteus (`docs/protocol`).
+//! Source: the manual of mjbots/moteus.
 
 use std::fmt;
 use std::time::Duration;
@@ -47,7 +47,7 @@ const POSITION_MODE: u8 = 10;
 /// Lengths that a CAN-FD frame may have.
 const LENGTHS: [usize; 7] = [12, 16, 20, 24, 32, 48, 64];
 
-/// Setting of the drive's action at the end of its watchdog: 0 is no torque; the default damps the motor.
+/// Setting of the drive: 0 switches the motor off when the watchdog expires; its default damps the motor.
 const TIMEOUT_MODE: &str = "servo.timeout_mode";
 /// Longest answer of its console `[bytes]`.
 const CONSOLE: u8 = 48;
@@ -257,7 +257,26 @@ impl Axis for Moteus {
     ) -> Result<(), OpenError> {
         (self.largest, self.watchdog) = (largest, watchdog);
         // The configuration changes only while the drive is stopped.
-        wire.exchange(|text| self.stop(text), CONSOLE_WITHIN, |_| Some(()))?;
+        let mut stopped = None;
+        for _ in 0..5 {
+            let mut frame = Self::stopped();
+            frame.put(&[READ_ONE_I8, MODE]);
+            stopped = wire.exchange(
+                |text| self.line(ANSWER | SETUP_SOURCE, &frame, text),
+                Duration::from_millis(100),
+                |line| {
+                    let (to, frame) = received(line, self.id)?;
+                    let is_stopped = frame.bytes().starts_with(&[REPLY_ONE_I8, MODE, STOPPED]);
+                    (to == SETUP_SOURCE && is_stopped).then_some(())
+                },
+            )?;
+            if stopped.is_some() {
+                break;
+            }
+        }
+        if stopped.is_none() {
+            return Err(OpenError::Silent(self.name()));
+        }
         self.console(wire, &format!("conf set {TIMEOUT_MODE} 0"))?;
         let found = self.console(wire, &format!("conf get {TIMEOUT_MODE}"))?;
         if found != "0" {

@@ -1,7 +1,7 @@
 //! ODrive 3.x (firmware 0.5) by its text protocol, with checksums.
 //!
 //! A request has three answers: the state of the axis, its errors, and position and velocity. Answers do not state their
-//! request. Source: `docs/ascii-protocol.md` of odriverobotics/ODrive.
+//! request. Source: the page on the ASCII protocol of odriverobotics/ODrive.
 
 use std::time::Duration;
 

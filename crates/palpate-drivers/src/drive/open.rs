@@ -13,8 +13,9 @@ use super::wire::{PortGone, Wire};
 
 /// Time limit for the drive to be ready.
 const READY_WITHIN: Duration = Duration::from_secs(2);
-/// Longest watchdog: a silence that a person may not notice.
-pub const LONGEST_WATCHDOG: Duration = Duration::from_secs(1);
+/// Shortest and longest time of the watchdog.
+pub const SHORTEST_WATCHDOG: Duration = Duration::from_millis(2);
+const LONGEST_WATCHDOG: Duration = Duration::from_secs(1);
 
 /// Port, mechanism and times of a drive.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +25,8 @@ pub struct Options {
     /// Travel of the handle for a turn of the drive `[m]`: 2 pi times the radius of a pulley or lever, the pitch of a
     /// screw, or 2 pi for a coordinate in radians with a torque in place of the force. Negative: opposite direction.
     pub travel: f64,
+    /// Position of the drive at which the coordinate is 0 `[turns]`.
+    pub zero: f64,
     /// Largest torque `[N m]`.
     pub largest_torque: f64,
     /// Longest time to wait for an answer in a tick.
@@ -39,6 +42,7 @@ impl Options {
         Self {
             port: port.to_owned(),
             travel: std::f64::consts::TAU * radius,
+            zero: 0.0,
             largest_torque,
             patience: (period / 2).min(Duration::from_millis(20)),
             silence: 4 * period,
@@ -131,6 +135,8 @@ impl<A: Axis, C: Clock> Drive<A, C> {
             is_travel,
             "0.00001 to 10 [m], or its negative",
         )?;
+        let (zero, allowed) = (options.zero, "-1000000 to 1000000 [turns]");
+        within("the zero", zero, zero.abs() <= 1e6, allowed)?;
         let is_torque = (1e-4..=100.0).contains(&torque);
         within(
             "the largest torque",
@@ -139,8 +145,7 @@ impl<A: Axis, C: Clock> Drive<A, C> {
             "0.0001 to 100 [N m]",
         )?;
         let silence = options.silence.as_secs_f64();
-        let is_silence =
-            options.silence >= Duration::from_millis(2) && options.silence <= LONGEST_WATCHDOG;
+        let is_silence = (SHORTEST_WATCHDOG..=LONGEST_WATCHDOG).contains(&options.silence);
         within("the watchdog's time", silence, is_silence, "0.002 to 1 [s]")?;
         let mut wire = Wire::open(&options.port).map_err(|error| OpenError::Port {
             port: options.port.clone(),
@@ -168,10 +173,11 @@ impl<A: Axis, C: Clock> Drive<A, C> {
             axis,
             wire,
             travel,
+            zero: options.zero,
             patience: options.patience,
             round_trip,
             torque: 0.0,
-            is_ready: true,
+            unready_since: None,
             was_cut: false,
             has_jumped: false,
             position,
@@ -211,6 +217,9 @@ fn when_ready<A: Axis>(axis: &mut A, wire: &mut Wire) -> Result<(f64, Duration),
             return Ok((state.position, asked.elapsed()));
         }
         last = Some(state.condition);
+        if matches!(last, Some(Condition::Failed(_))) {
+            break;
+        }
         std::thread::sleep(Duration::from_millis(2));
     }
     let name = axis.name();

@@ -54,7 +54,7 @@ impl Wire {
         self.sent = 0;
         write(&mut self.outgoing);
         match self.send_rest() {
-            // What was begun follows later.
+            // The next call sends the rest.
             Err(Unsent::Full) if self.sent > 0 => Ok(()),
             sent => {
                 if sent.is_err() {

@@ -49,7 +49,7 @@ impl Moteus {
     /// Takes the bytes of a frame, and returns the bytes of the answer.
     fn frame(&mut self, bytes: &[u8], motor: &mut Motor, now: Instant) -> Option<Vec<u8>> {
         let mut bytes = bytes.iter().copied();
-        // What a command leaves out: position, velocity, torque 0, scales 1, largest torque and stop position none.
+        // Written registers; a command without one of them has its default.
         let mut written = [None; REGISTERS];
         let mut answer = Vec::new();
         while let Some(kind) = bytes.next() {
