@@ -9,6 +9,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Args, Command, Error, Parser, ValueEnum, ValueHint};
 use palpate_drivers::external::{Place, words};
 
+use super::motor_drive::{Maker, MotorDrive};
 use crate::arguments::{PartFlags, TraceFlags};
 use crate::failure::Failure;
 use crate::values::{BoardName, FrameVector, StartPose, WorldAxes, place, start_pose, world_axes};
@@ -96,6 +97,12 @@ pub enum DeviceName {
     Inverse3,
     /// An omega, delta, sigma or lambda of Force Dimension, or a Falcon, by the manufacturer's library
     ForceDimension,
+    /// A moteus drive behind a CAN adapter; further settings: travel_m, zero_turns, torque_nm, id
+    #[value(name = "moteus:PORT,radius_m=R")]
+    Moteus,
+    /// An axis of an ODrive 3.x; further settings: travel_m, zero_turns, torque_nm, axis
+    #[value(name = "odrive:PORT,radius_m=R")]
+    Odrive,
     /// A device of your own: a program that this command starts
     #[value(name = "process:COMMAND")]
     Process,
@@ -186,11 +193,15 @@ impl DeviceArguments {
         let is_own = matches!(device, DeviceName::Process | DeviceName::Udp);
         let goes = matches!(
             device,
-            DeviceName::Haply2diy | DeviceName::Inverse3 | DeviceName::ForceDimension
+            DeviceName::Haply2diy
+                | DeviceName::Inverse3
+                | DeviceName::ForceDimension
+                | DeviceName::Moteus
+                | DeviceName::Odrive
         );
         if self.reconnect && !goes && !is_own {
             return Err(Failure::Arguments(
-                "--reconnect is for devices that can be lost: haply-2diy, inverse3, force-dimension, process and udp"
+                "--reconnect is for devices that can be lost: haply-2diy, inverse3, force-dimension, moteus, odrive, process and udp"
                     .into(),
             ));
         }
@@ -321,6 +332,8 @@ pub enum OwnDevice {
         /// Text for the library.
         argument: String,
     },
+    /// A motor drive.
+    Drive(MotorDrive),
 }
 
 impl OwnDevice {
@@ -330,13 +343,17 @@ impl OwnDevice {
             Self::Program(Place::Process(_)) => DeviceName::Process,
             Self::Program(Place::Udp(_)) => DeviceName::Udp,
             Self::Plugin { .. } => DeviceName::Plugin,
+            Self::Drive(drive) => match drive.maker {
+                Maker::Moteus => DeviceName::Moteus,
+                Maker::Odrive => DeviceName::Odrive,
+            },
         }
     }
 
     /// Parses the device that `text` names; `None` if it is another kind.
     ///
     /// # Errors
-    /// The command or the address is wrong.
+    /// The command, the address or a setting is wrong.
     fn parse(text: &str) -> Option<Result<Self, String>> {
         if let Some(command) = text.strip_prefix("process:") {
             #[cfg(unix)]
@@ -361,6 +378,11 @@ impl OwnDevice {
                     argument: argument.to_owned(),
                 })
             });
+        }
+        for (name, maker) in [("moteus:", Maker::Moteus), ("odrive:", Maker::Odrive)] {
+            if let Some(text) = text.strip_prefix(name) {
+                return Some(MotorDrive::parse(maker, text).map(Self::Drive));
+            }
         }
         let address = text.strip_prefix("udp:")?;
         let place = Place::udp(address).map_err(|error| {

@@ -8,6 +8,7 @@ mod force_dimension;
 #[cfg(unix)]
 pub mod guarding;
 pub mod inverse3;
+mod motor_drive;
 mod own;
 mod placed;
 pub mod replayed;
@@ -112,7 +113,11 @@ pub fn open<C: Clock>(
             let (device, _) = force_dimension::open(arguments, period, clock, guarding)?;
             (device, FIRST_AXIS)
         }
-        DeviceName::Process | DeviceName::Udp | DeviceName::Plugin => {
+        DeviceName::Process
+        | DeviceName::Udp
+        | DeviceName::Plugin
+        | DeviceName::Moteus
+        | DeviceName::Odrive => {
             let period = scene.loop_params.period;
             let (device, _) = own::open(arguments, period, clock, guarding)?;
             let model = scene.model_device_mass.unwrap_or(scene.device.mass());
@@ -164,8 +169,8 @@ fn open_as<C: Clock>(
         }
         DeviceName::Null | DeviceName::Replay => {
             return Err(Failure::Arguments(
-                "--device: a world runs on simulated, pointer, haply-2diy, inverse3, force-dimension, process, udp and \
-                 plugin; null and replay have one axis"
+                "--device: a world runs on simulated, pointer, haply-2diy, inverse3, force-dimension, moteus, odrive, \
+                 process, udp and plugin; null and replay have one axis"
                     .into(),
             ));
         }
@@ -184,7 +189,11 @@ fn open_as<C: Clock>(
             identity = Some(which);
             (device, None)
         }
-        DeviceName::Process | DeviceName::Udp | DeviceName::Plugin => {
+        DeviceName::Process
+        | DeviceName::Udp
+        | DeviceName::Plugin
+        | DeviceName::Moteus
+        | DeviceName::Odrive => {
             let (device, at) = own::open(arguments, period, clock, guarding)?;
             identity = at;
             (device, None)

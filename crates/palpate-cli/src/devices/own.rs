@@ -9,7 +9,7 @@ use palpate_drivers::plugin::Plugin;
 use palpate_drivers::prepared::Reopen;
 
 use super::arguments::OwnDevice;
-use super::{DeviceArguments, reconnecting};
+use super::{DeviceArguments, motor_drive, reconnecting};
 use crate::failure::{Failure, tell};
 use crate::reports::Guarding;
 use crate::values::duration;
@@ -36,6 +36,11 @@ pub fn open<C: Clock>(
             })?;
             let identity = format!("plugin:{},{argument}", library.display());
             Ok((Box::new(device), Some(identity)))
+        }
+        Some(OwnDevice::Drive(drive)) => {
+            let (device, identity) =
+                motor_drive::open(drive, arguments.reconnect, period, clock, guarding)?;
+            Ok((device, Some(identity)))
         }
         None => {
             let needed = "--device: process:COMMAND, udp:ADDRESS:PORT or plugin:LIBRARY is needed";

@@ -169,7 +169,7 @@ fn what_makes_no_sense_is_refused() {
         ),
         (
             "run wall.toml --reconnect",
-            "haply-2diy, inverse3, force-dimension, process and udp",
+            "haply-2diy, inverse3, force-dimension, moteus, odrive, process and udp",
         ),
         (
             "devices emulate inverse3 --fault stall@1",

@@ -5,6 +5,7 @@ mod common;
 mod force_dimension;
 mod inverse3;
 mod live;
+mod motor_drive;
 mod own;
 mod run_several;
 mod run_world;

@@ -45,19 +45,23 @@ the end the torque is 0. The same holds after ctrl-C, SIGTERM or SIGHUP, which e
     #[command(override_usage = "\
 palpate devices emulate haply-2diy [OPTIONS]
        palpate devices emulate inverse3 [OPTIONS]
-       palpate devices emulate force-dimension [OPTIONS]")]
+       palpate devices emulate force-dimension [OPTIONS]
+       palpate devices emulate moteus [OPTIONS]
+       palpate devices emulate odrive [OPTIONS]")]
     #[command(long_about = "\
 Emulate a device for trials without hardware.
 
 Standard output is the address: `palpate run SCENE.toml --device haply-2diy --port PATH`, or `--device \
-inverse3 --service URL` or `--device force-dimension --library PATH`, opens it. It moves in real time until ctrl-C.")]
+inverse3 --service URL`, `--device force-dimension --library PATH`, `--device moteus:PATH,radius_m=0.02` or \
+`--device odrive:PATH,radius_m=0.02`, opens it. It moves in real time until ctrl-C.")]
     #[command(after_help = "\
 Examples:
   palpate devices emulate haply-2diy --duration 1
   palpate devices emulate haply-2diy --hold 0.019,0.05 --sway 0,0.02 --link my-2diy --duration 1
   palpate devices emulate haply-2diy --generation 2 --board m3 --fault stall=0.1@0.5 --duration 1
   palpate devices emulate inverse3 --port 0 --events-port 0 --hold 0.01,0,0 --duration 1
-  palpate devices emulate force-dimension --type delta.3 --hold 0.01,0,0 --duration 1")]
+  palpate devices emulate force-dimension --type delta.3 --hold 0.01,0,0 --duration 1
+  palpate devices emulate moteus --hold 0.01 --fault silence=0.2@0.5 --duration 1")]
     Emulate(EmulateArguments),
 }
 

@@ -3,9 +3,13 @@
 #[cfg(unix)]
 mod force_dimension;
 mod inverse3;
+#[cfg(unix)]
+mod motor_drive;
 mod two_diy;
 
 use clap::{Args, Subcommand};
+#[cfg(unix)]
+use palpate_drivers::emulator::drive::Maker;
 use palpate_testbed::actuator::ActuatorParams;
 
 use crate::failure::Failure;
@@ -52,6 +56,26 @@ along each axis in a hand, which runs in real time until ctrl-C. The library is 
 Faults are injected at given times: --fault KIND[=VALUE]@SECONDS, repeatable, with the kinds unplug, plug-in, stale \
 (VALUE reads without a new sample), saturate (motors above VALUE newtons) and uncalibrated.")]
     ForceDimension(Box<force_dimension::ForceDimensionEmulatorArguments>),
+    /// A moteus drive behind a CAN adapter, on a pseudo-terminal or a Unix socket
+    #[cfg(unix)]
+    #[command(long_about = "\
+A moteus drive behind a CAN adapter on a pseudo-terminal, whose path is printed, or on a Unix socket. Motor, handle and hand run in real time from \
+the first line on, until ctrl-C.
+
+Faults are injected at given times: --fault KIND[=VALUE]@SECONDS, repeatable, with the kinds silence (for VALUE seconds), \
+mode (the drive leaves its mode), code (a fault with the code VALUE), jump (of the encoder, VALUE turns) and torn (an \
+answer).")]
+    Moteus(Box<motor_drive::MotorDriveArguments>),
+    /// An axis of an ODrive on a pseudo-terminal or a Unix socket
+    #[cfg(unix)]
+    #[command(long_about = "\
+An axis of an ODrive on a pseudo-terminal, whose path is printed, or on a Unix socket. Motor, handle and hand run in real time from \
+the first line on, until ctrl-C.
+
+Faults are injected at given times: --fault KIND[=VALUE]@SECONDS, repeatable, with the kinds silence (for VALUE seconds), \
+mode (the drive leaves its mode), code (a fault with the code VALUE), jump (of the encoder, VALUE turns) and torn (an \
+answer).")]
+    Odrive(Box<motor_drive::MotorDriveArguments>),
 }
 
 /// The amplifiers of an emulated device.
@@ -93,5 +117,9 @@ pub fn run(arguments: &EmulateArguments) -> Result<(), Failure> {
         What::Inverse3(arguments) => inverse3::run(arguments),
         #[cfg(unix)]
         What::ForceDimension(arguments) => force_dimension::run(arguments),
+        #[cfg(unix)]
+        What::Moteus(arguments) => motor_drive::run(Maker::Moteus, arguments),
+        #[cfg(unix)]
+        What::Odrive(arguments) => motor_drive::run(Maker::Odrive, arguments),
     }
 }
