@@ -235,8 +235,14 @@ impl WorldScene {
     /// The method of that name, with the scene's settings.
     ///
     /// # Errors
-    /// There is no method of that name, it lacks a setting, or it does not know a tool's shape.
+    /// There is no method of that name, it lacks a setting, or it renders no such tool or no force fields.
     pub fn method(&self, name: &str) -> Result<WorldMethod, WorldError> {
+        let method = self.with_settings(name)?;
+        method.can_render(&self.world.fields)?;
+        Ok(method)
+    }
+
+    fn with_settings(&self, name: &str) -> Result<WorldMethod, WorldError> {
         if name == "god-object" {
             for tool in &self.world.tools {
                 GodObjectParams::can_render(tool)?;

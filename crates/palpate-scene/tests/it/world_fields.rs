@@ -138,3 +138,14 @@ fn faults_of_fields_have_their_place_and_say_what_is_allowed() {
         );
     }
 }
+
+#[test]
+fn all_methods_leave_out_those_that_render_no_fields() {
+    let scene = WorldFile::parse("knob.toml", KNOB).unwrap().scene;
+    assert!(scene.method("coupled").is_ok() && scene.method("basic").is_ok());
+    for name in ["seh", "hfcr-mod-st"] {
+        let error = scene.method(name).unwrap_err().to_string();
+        let expected = format!("{name} renders no force fields, and the world has 5");
+        assert!(error.contains(&expected), "{error}");
+    }
+}

@@ -79,8 +79,11 @@ impl WorldMethod {
         }
     }
 
-    /// Returns the fault if the method does not render force fields and the world has some.
-    fn check_fields(&self, fields: &[Field]) -> Result<(), WorldError> {
+    /// Checks whether the method renders a world with these force fields.
+    ///
+    /// # Errors
+    /// There are fields, and the method renders none.
+    pub fn can_render(&self, fields: &[Field]) -> Result<(), WorldError> {
         if fields.is_empty() || matches!(self, Self::Basic(_) | Self::Coupled(_)) {
             return Ok(());
         }
@@ -99,7 +102,7 @@ impl WorldMethod {
     }
 
     pub(crate) fn check(self, tools: &[Tool], fields: &[Field]) -> Result<Checked, WorldErrors> {
-        self.check_fields(fields)?;
+        self.can_render(fields)?;
         match self {
             Self::Basic(params) => params.check(tools.len()).map(Checked::Basic),
             Self::VirtualCoupling(params) => params.check(tools).map(Checked::VirtualCoupling),
