@@ -219,18 +219,6 @@ fn the_time_is_no_value() {
 }
 
 #[test]
-fn a_column_is_one_value() {
-    let layout = laid_out(|layout| {
-        layout.columns = Layout::parse_columns("x=a,force=#2").unwrap();
-    });
-    let error = parse_as("t_s,a\n0,0.01\n0.001,0.02\n", &layout).unwrap_err();
-    assert!(
-        error.starts_with("hand.csv:1:5: the column `a` is selected as `"),
-        "{error}"
-    );
-}
-
-#[test]
 fn samples_without_a_value_are_left_out_where_that_is_asked_for_and_counted() {
     let text = "t_s,position_m,note\n0,1,\n1,,a\n2,NaN,\n,5,\n3,4,\n";
     let held = parse_as(text, &laid_out(|layout| layout.skip_missing = true)).unwrap();
