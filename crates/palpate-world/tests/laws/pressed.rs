@@ -431,7 +431,7 @@ fn from_inside(pressed: &Pressed, mut render: impl FnMut(Vector, f64) -> f64) ->
 }
 
 impl Pressed {
-    fn from_inside(&self) -> f64 {
+    fn rests_inside(&self) -> f64 {
         let renderer = WorldRenderer::new(&self.world(), self.loop_params(), params()).unwrap();
         let mut state = renderer.start();
         from_inside(self, |x, part| {
@@ -443,7 +443,7 @@ impl Pressed {
         })
     }
 
-    fn from_inside_with_an_engine(&self) -> f64 {
+    fn rests_inside_with_an_engine(&self) -> f64 {
         let World { tools, bodies, .. } = self.world();
         let body = EngineBody {
             law: ContactLaw::spring(self.stiffness()),
@@ -482,7 +482,10 @@ fn a_tool_at_rest_inside_a_plane_feels_its_depth_after_a_soft_start() {
             actuation: Actuation::after(delay * PERIOD),
             ..Pressed::new(kappa, 0.0, 0.0)
         };
-        for force in [pressed.from_inside(), pressed.from_inside_with_an_engine()] {
+        for force in [
+            pressed.rests_inside(),
+            pressed.rests_inside_with_an_engine(),
+        ] {
             assert!((force - 2.0).abs() < 0.05, "{force} N: {kappa} {delay}");
         }
     }
