@@ -526,18 +526,18 @@ fn the_guard_allows_the_energy_of_fields_and_no_more() {
     let push = FieldKind::Constant {
         force: [0.5, 0.0, -0.2],
     };
-    let of = |kind, method| {
+    // How often the guard acts, and the energy given to the hand beyond that stored at the start.
+    let of = |kind, method, duration| {
         let guard = WorldGuardParams::by_speed(1.0, 1.0, allowance);
         let guarded = WorldLoop::new(0.001).with_guard(WorldGuard::Limit(guard));
-        let (energies, .., acted) = run_in(guarded, &[kind], method, [0.02, 0.005, -0.02], 0.15);
-        let most = energies.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        (acted, most - energies[0])
+        let (energies, .., (_, device), acted) =
+            run_in(guarded, &[kind], method, [0.02, 0.005, -0.02], duration);
+        (acted, device.work - energies[0])
     };
     for kind in [POINT, push] {
-        let (acted, _) = of(kind, with_a_heavy_model());
+        let (acted, _) = of(kind, with_a_heavy_model(), 0.15);
         assert_eq!(acted, 0, "{kind:?}");
     }
-    let (acted, gained) = of(POINT, BasicParams::default().into());
-    assert!(gained < allowance, "{gained}");
-    println!("basic: the guard acted {acted} times, and {gained} J were added");
+    let (acted, gained) = of(POINT, BasicParams::default().into(), 2.0);
+    assert!(acted > 0 && gained < allowance, "{acted} {gained}");
 }
