@@ -117,12 +117,12 @@ impl Device {
     }
 
     fn hold(&mut self, force: &Vector, period: f64) {
-        for axis in 0..3 {
-            let acceleration = force[axis] / MASS;
+        for (axis, force) in force.iter().enumerate() {
+            let acceleration = force / MASS;
             let way = self.velocity[axis] * period + 0.5 * acceleration * period * period;
             self.position[axis] += way;
             self.velocity[axis] += acceleration * period;
-            self.work += force[axis] * way;
+            self.work += force * way;
         }
     }
 
@@ -144,6 +144,15 @@ fn run(
     (energies, forces, places, end)
 }
 
+/// Energies, forces, positions, final states, and the number of samples at which a guard acted.
+type GuardedRun = (
+    Vec<f64>,
+    Vec<Vector>,
+    Vec<Vector>,
+    (WorldState, Device),
+    usize,
+);
+
 /// Runs a device as [`run`] does, in another loop. Returns in addition the number of samples at which a guard acted.
 fn run_in(
     loop_params: WorldLoop,
@@ -151,13 +160,7 @@ fn run_in(
     method: WorldMethod,
     start: Vector,
     duration: f64,
-) -> (
-    Vec<f64>,
-    Vec<Vector>,
-    Vec<Vector>,
-    (WorldState, Device),
-    usize,
-) {
+) -> GuardedRun {
     let (period, mut guarded) = (loop_params.period, 0);
     let renderer = WorldRenderer::new(&world(kinds), loop_params, method).unwrap();
     let mut state = renderer.start();
@@ -288,14 +291,14 @@ fn an_oscillation_around_a_detent_never_grows_at_any_rate() {
                 }
                 let method = CoupledParams::new(vec![[factor * MASS; 3]]);
                 let (_, _, places, ..) = run(&[kind], method.into(), [from, 0.0, 0.0], (rate, 2.0));
-                let amplitudes = places.chunks((rate / 2.0) as usize).map(|window| {
+                let mut amplitudes = places.chunks((rate / 2.0) as usize).map(|window| {
                     let off = window.iter().map(|place| (place[0] - apart).abs());
                     off.fold(0.0, f64::max) / (from - apart)
                 });
                 let most = amplitudes.clone().fold(0.0, f64::max);
                 // Until the mass is learned, the amplitude may exceed the first one by parts per million.
                 assert!(most < 1.0 + 1e-5, "{rate} Hz, told {factor}: {most}");
-                let last = amplitudes.last().unwrap();
+                let last = amplitudes.next_back().unwrap();
                 assert!(last > 0.9, "{rate} Hz, told {factor}: {last}");
             }
         }
@@ -385,7 +388,7 @@ fn methods_without_fields_refuse_them_by_name() {
     let methods: [WorldMethod; 5] = [
         VirtualCouplingParams::default().into(),
         GodObjectParams::default().into(),
-        SehParams::default().into(),
+        SehParams.into(),
         PopcParams::new(vec![10.0]).into(),
         HfcrParams::default().into(),
     ];
