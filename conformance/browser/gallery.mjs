@@ -125,5 +125,8 @@ function reason(name, text) {
   if (name.endsWith("-rough")) {
     return `looks like ${name.replace("-rough", "")}`;
   }
+  if (/^\[\[field\]\]/m.test(text) && !/^\[\[body\]\]/m.test(text)) {
+    return "has fields alone, which are not drawn";
+  }
   return null;
 }
