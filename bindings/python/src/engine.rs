@@ -86,7 +86,7 @@ type EngineResult<'py> = (
 /// Indices of tool and body, mode, point, normal, penetration and force.
 type ContactNow = (usize, usize, &'static str, Vector, Vector, f64, Vector);
 /// Entries of the energy ledger: contacts and devices.
-type LedgerNow = (Vec<[f64; 8]>, Vec<[f64; 2]>);
+type LedgerNow = (Vec<[f64; 9]>, Vec<[f64; 2]>);
 
 /// Returns an error with all faults, one per line.
 pub fn wrong(faults: &WorldErrors) -> PyErr {

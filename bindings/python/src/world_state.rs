@@ -1,8 +1,8 @@
 //! Readable state of a world: tuples of numbers, which the Python files name.
 
 use palpate_world::{
-    BodyLedger, BodyState, ContactLedger, ContactState, DeviceLedger, Joint, JointKind,
-    JointLedger, Mode, Quaternion, Side, ToolState, Vector,
+    BodyLedger, BodyState, ContactLedger, ContactState, DeviceLedger, Field, FieldLedger, Joint,
+    JointKind, JointLedger, Mode, Quaternion, Side, ToolState, Vector,
 };
 use pyo3::prelude::*;
 
@@ -25,12 +25,14 @@ type ContactNow = (
     Vector,
     Vector,
 );
-/// Entries of the energy ledger: contacts with their sides; bodies; devices; joints with their sides and kind.
+/// Entries of the energy ledger: contacts with their sides; bodies; devices; joints with their sides and kind; fields
+/// with their device.
 type LedgerNow = (
-    Vec<([String; 2], [f64; 8])>,
+    Vec<([String; 2], [f64; 9])>,
     Vec<[f64; 5]>,
     Vec<[f64; 7]>,
-    Vec<([String; 2], &'static str, [f64; 4])>,
+    Vec<([String; 2], &'static str, [f64; 5])>,
+    Vec<(String, [f64; 7])>,
 );
 
 impl PyWorld {
@@ -121,7 +123,7 @@ pub fn mode(mode: Mode) -> &'static str {
 }
 
 /// Returns the ledger entries of a contact.
-pub fn contact_ledger(entry: &ContactLedger) -> [f64; 8] {
+pub fn contact_ledger(entry: &ContactLedger) -> [f64; 9] {
     [
         entry.stored,
         entry.dissipated,
@@ -129,6 +131,7 @@ pub fn contact_ledger(entry: &ContactLedger) -> [f64; 8] {
         entry.work_on_proxy,
         entry.held,
         entry.observed,
+        entry.outside,
         entry.step_error,
         entry.handed,
     ]
@@ -192,14 +195,34 @@ pub fn world_ledger(world: PyRef<'_, PyWorld>) -> LedgerNow {
             JointKind::Hinge => "hinge",
             JointKind::Slider => "slider",
         };
-        let entries = [entry.stored, entry.dissipated, entry.work, entry.step_error];
+        let entries = [
+            entry.stored,
+            entry.dissipated,
+            entry.work,
+            entry.outside,
+            entry.step_error,
+        ];
         ([joint.body.clone(), against], kind, entries)
     };
+    let of_field = |(field, entry): (&Field, &FieldLedger)| {
+        let entries = [
+            entry.stored,
+            entry.work,
+            entry.held,
+            entry.observed,
+            entry.outside,
+            entry.supplied,
+            entry.step_error,
+        ];
+        (field.tool.clone(), entries)
+    };
     let joints = world.scene().world.joints.iter().zip(&ledger.joints);
+    let fields = world.scene().world.fields.iter().zip(&ledger.fields);
     (
         contacts.map(of_contact).collect(),
         ledger.bodies.iter().map(of_body).collect(),
         ledger.devices.iter().map(of_device).collect(),
         joints.map(of_joint).collect(),
+        fields.map(of_field).collect(),
     )
 }

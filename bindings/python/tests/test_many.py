@@ -291,8 +291,11 @@ def test_a_body_that_is_moved_during_a_loop_changes_the_force_without_a_step() -
     for _ in range(10):
         world.step([0.0, 0.0, 0.0])
     world.set_body("ball", position=[0.0, 0.0, 0.035])
-    forces = np.array([world.step([0.0, 0.0, 0.0])[2] for _ in range(200)])
+    forces = np.array([world.step([0.0, 0.0, 0.0])[2] for _ in range(100)])
     assert (forces[:3] == 0.0).all() and np.abs(np.diff(forces)).max() < 0.5 and forces.min() < -2.0
+    [contact] = [of for of in world.ledger.contacts if "ball" in of.between and of.stored > 0.0]
+    came = contact.observed + contact.outside - contact.work - contact.dissipated + contact.step_error
+    assert contact.outside > 0.01 and contact.stored == pytest.approx(came, abs=1e-12)
     before = world.ledger.bodies["ball"].outside
     kinetic = world.ledger.bodies["ball"].kinetic
     world.set_body("ball", velocity=[0.0, 0.0, 0.0])
@@ -302,6 +305,26 @@ def test_a_body_that_is_moved_during_a_loop_changes_the_force_without_a_step() -
         world.set_body("floor", velocity=[0.0, 0.0, 1.0])
     with pytest.raises(ValueError, match="position has 2 numbers, but must have 3"):
         world.set_body("ball", position=[0.0, 0.0])
+
+
+def test_a_field_is_a_table_and_has_a_row_in_the_ledger() -> None:
+    detents = {"at_m": [0, 0, 0], "axis": [1, 0, 0], "positions": 3, "period_m": 0.01, "amplitude_j": 1e-3, "stiffness_n_per_m": 800.0}
+    knob = palpate.World(
+        loop={"period_s": PERIOD},
+        devices=[{"name": "knob", "mass_kg": 0.1, "tool": {"sphere": {"radius_m": 0.008}}}],
+        fields=[{"on": "knob", "potential": {"detents": detents}}],
+        soft_start=0.0,
+    )
+    more = knob.add(fields=[{"on": "knob", "potential": {"constant": {"force_n": [0.0, 0.0, -0.5]}}}])
+    for step in range(100):
+        force = knob.step([2.5e-5 * step, 0.0, 0.0])
+        both = more.step([2.5e-5 * step, 0.0, 0.0])
+    # Halfway up the hill: pi A/p.
+    assert force[0] == pytest.approx(-0.1 * np.pi, rel=0.01) and both[2] == pytest.approx(-0.5, rel=1e-6)
+    [field] = knob.ledger.fields
+    assert field.device == "knob" and field.stored == pytest.approx(5e-4, rel=0.05)
+    assert field.stored == pytest.approx(field.observed + field.outside + field.supplied - field.work + field.step_error)
+    assert [len(of.ledger.fields) for of in (more, more.replace(fields=[]))] == [2, 0]
 
 
 @pytest.mark.parametrize(

@@ -412,7 +412,7 @@ class Loop(Fixed, _palpate.Loop):
             if name in changes:
                 raise ValueError(f"{name} is a limit of the loop and cannot change while it runs; make another Loop")
         if changes:
-            known = ("title", "loop", "devices", "bodies", "contacts", "joints", "render", "model", "methods", "measure", "method")
+            known = ("title", "loop", "devices", "bodies", "contacts", "joints", "fields", "render", "model", "methods", "measure", "method")
             for name in changes:
                 if name not in known:
                     raise TypeError(f"a world has no table {name}; the tables are {', '.join(known)}")

@@ -145,7 +145,7 @@ class Scene(Fixed, _palpate.Scene):
         return f"<palpate.Scene {self.title!r}>"
 
 
-_ARRAYS = ("device", "body", "contact", "joint")
+_ARRAYS = ("device", "body", "contact", "joint", "field")
 """Arrays of tables of a scene file."""
 
 

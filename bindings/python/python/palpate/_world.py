@@ -21,6 +21,7 @@ from ._world_values import (
     ContactState,
     DeviceLedger,
     Effort,
+    FieldLedger,
     JointLedger,
     ToolState,
     TurnState,
@@ -57,6 +58,7 @@ class World(Fixed, _palpate.World):
         bodies: A table for each body.
         contacts: A table for each contact law.
         joints: A table for each joint.
+        fields: A table for each force field.
         render: The default method, the limits and the guard.
         model: Model values of delay, lag, gain, and of masses and inertias of the devices.
         methods: Settings of methods, by method name.
@@ -83,6 +85,7 @@ class World(Fixed, _palpate.World):
         bodies: Sequence[Tables] | None = None,
         contacts: Sequence[Tables] | None = None,
         joints: Sequence[Tables] | None = None,
+        fields: Sequence[Tables] | None = None,
         render: Tables | None = None,
         model: Tables | None = None,
         methods: Mapping[str, Tables] | None = None,
@@ -99,6 +102,7 @@ class World(Fixed, _palpate.World):
             "body": bodies,
             "contact": contacts,
             "joint": joints,
+            "field": fields,
             "render": render,
             "model": model,
             "methods": methods,
@@ -267,12 +271,13 @@ class World(Fixed, _palpate.World):
     @property
     def ledger(self) -> EnergyLedger:
         """Energy ledger at the last sample."""
-        contacts, bodies, devices, joints = _palpate.world_ledger(self)
+        contacts, bodies, devices, joints, fields = _palpate.world_ledger(self)
         return EnergyLedger(
             tuple(ContactLedger((between[0], between[1]), *entries) for between, entries in contacts),
             {name: BodyLedger(*entries) for name, entries in zip(self._bodies, bodies)},
             {name: DeviceLedger(*entries) for name, entries in zip(self._devices, devices)},
             tuple(JointLedger((between[0], between[1]), kind, *entries) for between, kind, entries in joints),
+            tuple(FieldLedger(device, *entries) for device, entries in fields),
         )
 
     @property
@@ -291,10 +296,12 @@ class World(Fixed, _palpate.World):
         bodies: Iterable[Tables] = (),
         contacts: Iterable[Tables] = (),
         joints: Iterable[Tables] = (),
+        fields: Iterable[Tables] = (),
     ) -> World:
         """Returns a new world in its initial state with these parts added. The last law for a pair applies."""
         tables = self.to_dict()
-        for key, more in (("device", devices), ("body", bodies), ("contact", contacts), ("joint", joints)):
+        parts = {"device": devices, "body": bodies, "contact": contacts, "joint": joints, "field": fields}
+        for key, more in parts.items():
             more = list(more)
             if not more:
                 continue
@@ -311,13 +318,13 @@ class World(Fixed, _palpate.World):
         **tables: Any,
     ) -> World:
         """Returns a new world in its initial state with other values, another method or other limits. `loop`, `render`,
-        `model`, `methods` and `measure` are replaced by key; `title`, `devices`, `bodies`, `contacts` and `joints` as a
-        whole.
+        `model`, `methods` and `measure` are replaced by key; `title`, `devices`, `bodies`, `contacts`, `joints` and
+        `fields` as a whole.
 
             world.replace(loop={"period_s": 0.004}, method="basic")
         """
         changed = self.to_dict()
-        names = {"devices": "device", "bodies": "body", "contacts": "contact", "joints": "joint"}
+        names = {"devices": "device", "bodies": "body", "contacts": "contact", "joints": "joint", "fields": "field"}
         for key, value in tables.items():
             before = changed.get(key)
             if isinstance(value, Mapping) and isinstance(before, Mapping):
@@ -376,7 +383,7 @@ class World(Fixed, _palpate.World):
 
 def _as_lists(tables: Mapping[str, Any]) -> dict[str, Any]:
     """Converts arrays of tables to lists, for TOML."""
-    rows = ("device", "body", "contact", "joint")
+    rows = ("device", "body", "contact", "joint", "field")
     return {key: list(value) if key in rows else value for key, value in tables.items()}
 
 

@@ -124,7 +124,7 @@ class ContactState(NamedTuple):
 class ContactLedger(NamedTuple):
     """Energy at a contact over all completed intervals [J].
 
-    `stored = stored at the start + observed + handed - work - dissipated + step_error`
+    `stored = stored at the start + observed + outside + handed - work - dissipated + step_error`
     """
 
     between: tuple[str, str]
@@ -141,6 +141,8 @@ class ContactLedger(NamedTuple):
     """Work of the contact's mean force on the device itself."""
     observed: float
     """Change of the stored energy because a sample moved the proxy."""
+    outside: float
+    """Energy added by changes of the world, such as a body that was moved."""
     step_error: float
     """Energy generated (positive) or lost by finite sub-steps."""
     handed: float
@@ -155,7 +157,7 @@ class ContactLedger(NamedTuple):
 class JointLedger(NamedTuple):
     """Energy of a joint over all completed intervals [J].
 
-    `stored = stored at the start - work - dissipated + step_error`
+    `stored = stored at the start + outside - work - dissipated + step_error`
     """
 
     between: tuple[str, str]
@@ -168,6 +170,32 @@ class JointLedger(NamedTuple):
     """Energy dissipated by damping: never decreases."""
     work: float
     """Work of the joint on both of its sides."""
+    outside: float
+    """Energy added by changes of the world, such as a body that was moved."""
+    step_error: float
+    """Energy generated (positive) or lost by finite sub-steps."""
+
+
+class FieldLedger(NamedTuple):
+    """Energy of a force field over all completed intervals [J].
+
+    `stored = observed + outside + supplied - work + step_error`
+    """
+
+    device: str
+    """Name of the device on whose tool it acts."""
+    stored: float
+    """Stored energy U at the last sample."""
+    work: float
+    """Work of the field on the tool's proxy."""
+    held: float
+    """Work of the field's mean force on the device itself."""
+    observed: float
+    """Change in stored energy due to samples or limits that displaced the proxy from its expected position."""
+    outside: float
+    """Energy added by changes of the running world."""
+    supplied: float
+    """Work of a constant force, which is external."""
     step_error: float
     """Energy generated (positive) or lost by finite sub-steps."""
 
@@ -223,3 +251,5 @@ class EnergyLedger(NamedTuple):
     """One for each device, by name."""
     joints: tuple[JointLedger, ...]
     """One for each joint, in the order of the world."""
+    fields: tuple[FieldLedger, ...]
+    """One for each force field, in the order of the world."""
