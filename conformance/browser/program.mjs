@@ -65,12 +65,13 @@ export async function startLive(...args) {
       });
     },
     /**
-     * Ends it, and checks its exit code. On a busy machine a loop that misses its deadlines can generate energy; then
-     * safety has disabled the motors, which is reported.
+     * Ends it, and checks its exit code. On a busy machine a loop that misses its deadlines can generate energy, and
+     * safety disables the motors; or most samples come after too long a gap, and the renderer refuses them. Both are
+     * reported.
      */
     async endsWell(signal) {
       const code = await this.end(signal);
-      const isStopped = code === 5 && /\b[1-9]\d* deadlines missed/.test(said) && /\nerror: .*the safety layer kept the motors off/.test(said);
+      const isStopped = code === 5 && /\b[1-9]\d* deadlines missed/.test(said) && /\nerror: .*(the safety layer kept the motors off|the renderer refused the samples)/.test(said);
       assert.ok(code === 0 || isStopped, `it ended with ${code}: ${said}`);
     },
     forget() {

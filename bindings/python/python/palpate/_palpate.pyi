@@ -20,6 +20,8 @@ __all__ = [
     "LowRateSimulator",
     "World",
     "WorldState",
+    "Worlds",
+    "WorldsState",
     "__version__",
     "advice_figure",
     "advise",

@@ -96,7 +96,7 @@ pub struct Moteus {
 }
 
 impl Moteus {
-    /// Creates the protocol of the drive with the number `id`; `None` if it is not 1 to [`LARGEST_ID`].
+    /// Creates the protocol of the drive with the number `id`; `None` if it is not 1 to 111.
     #[must_use]
     pub fn new(id: u8) -> Option<Self> {
         (1..=LARGEST_ID).contains(&id).then_some(Self {
