@@ -262,7 +262,7 @@ fn committed() -> Vec<(String, String)> {
         .collect();
     worlds.retain(|(name, source)| name != "bowl" && !source.contains("quantum_rad"));
     worlds.sort();
-    assert_eq!(worlds.len(), 24);
+    assert_eq!(worlds.len(), 25);
     worlds
 }
 
