@@ -46,7 +46,7 @@ impl Bench {
     }
 
     fn try_open(&self, options: &Options, number: u8) -> Result<Opened, OpenError> {
-        let (tell, told) = channel();
+        let (tell, messages) = channel();
         let tell = move |text| tell.send(text).unwrap();
         let clock = MonotonicClock::new();
         let device: Box<dyn Device> = match self.maker {
@@ -59,7 +59,7 @@ impl Bench {
                 Box::new(Drive::open(axis, options, clock, tell)?)
             }
         };
-        Ok((device, told))
+        Ok((device, messages))
     }
 
     fn open(&self) -> Opened {
@@ -117,7 +117,7 @@ fn failure(device: &mut dyn Device, kind: DeviceErrorKind) -> DeviceError {
 fn a_force_moves_the_handle_and_the_end_switches_the_motor_off() {
     for maker in MAKERS {
         let bench = bench(maker);
-        let (mut device, told) = bench.open();
+        let (mut device, messages) = bench.open();
         let can = device.capabilities().clone();
         assert_eq!((can.axes, can.holds_last_force), (1, false));
         assert!((can.largest_force.unwrap() - 5.0).abs() < 1e-9);
@@ -142,7 +142,7 @@ fn a_force_moves_the_handle_and_the_end_switches_the_motor_off() {
         drop(device);
         bench.wait_for("a motor that is off", |bench| bench.emulator.is_off());
         assert_eq!(bench.emulator.torque(), 0.0);
-        assert_eq!(told.try_recv().ok(), None);
+        assert_eq!(messages.try_recv().ok(), None);
     }
 }
 
@@ -150,7 +150,7 @@ fn a_force_moves_the_handle_and_the_end_switches_the_motor_off() {
 fn the_watchdog_of_the_drive_takes_the_torque_of_a_stalled_loop_off() {
     for maker in MAKERS {
         let bench = bench(maker);
-        let (mut device, _told) = bench.open();
+        let (mut device, _messages) = bench.open();
         sample(&mut *device);
         device.was_cut();
         device.write(pushed(1.0)).unwrap();
@@ -175,7 +175,7 @@ fn the_watchdog_of_the_drive_takes_the_torque_of_a_stalled_loop_off() {
 fn a_lost_or_torn_answer_is_a_missing_sample_and_a_long_silence_a_loss() {
     for maker in MAKERS {
         let bench = bench(maker);
-        let (mut device, told) = bench.open();
+        let (mut device, messages) = bench.open();
         sample(&mut *device);
         bench.emulator.inject(Fault::TornLine);
         failure(&mut *device, DeviceErrorKind::NothingNew);
@@ -190,10 +190,10 @@ fn a_lost_or_torn_answer_is_a_missing_sample_and_a_long_silence_a_loss() {
             .inject(Fault::Silence(Duration::from_secs(600)));
         let error = failure(&mut *device, DeviceErrorKind::Disconnected);
         drop(device);
-        let said = told.try_recv().unwrap();
+        let said = messages.try_recv().unwrap();
         assert!(said.contains(error.what), "{said}");
         bench.emulator.inject(Fault::Silence(Duration::ZERO));
-        let (mut device, _told) = bench.open();
+        let (mut device, _messages) = bench.open();
         sample(&mut *device);
     }
 }
@@ -207,7 +207,7 @@ fn a_fault_another_mode_and_a_jump_are_refused() {
             (Fault::Jump(10.0), ["has jumped"; 2]),
         ] {
             let bench = bench(maker);
-            let (mut device, _told) = bench.open();
+            let (mut device, _messages) = bench.open();
             sample(&mut *device);
             // An ODrive may be idle for some answers after its start.
             for _ in 0..60 {
@@ -223,7 +223,7 @@ fn a_fault_another_mode_and_a_jump_are_refused() {
             bench.wait_for("no torque", |bench| bench.emulator.torque() == 0.0);
             assert!(device.read().is_err());
             drop(device);
-            let (mut device, _told) = bench.open();
+            let (mut device, _messages) = bench.open();
             sample(&mut *device);
         }
     }
@@ -240,7 +240,7 @@ fn a_coordinate_has_its_zero_and_its_direction() {
             ..right.clone()
         };
         let number = Settings::new(maker).number;
-        let (mut device, _told) = bench.try_open(&options, number).unwrap();
+        let (mut device, _messages) = bench.try_open(&options, number).unwrap();
         let quarter = 0.25 * right.travel;
         let expected = |bench: &Bench| quarter - bench.emulator.position();
         bench.wait_for("the handle at 10 mm in the other direction", |bench| {
